@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .shapes import arc, circle, join, line, mirrored, raised, rounded, rotation, volute, wave
+from .shapes import arc, circle, join, line, mirrored, raised, rotation, rounded, volute, wave
 
 
 def gothic_window(rng, scale=1.0) -> list:
