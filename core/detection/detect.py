@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From a mesh to its feature curves: the stages in their order."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..errors import InputError
+from ..values import Curves
+from .extremality import crest_lines
+from .hysteresis import clear_segments
+from .lines import Lines, weights
+from .linking import linked
+from .merging import without_doubles, without_spurs
+from .mesh import TriangleMesh
+from .parameters import DetectionParameters
+from .sharp import boundary_lines, sharp_lines
+from .surface import Surface
+from .tensor import Curvature, curvature
+from .values import BOUNDARY, RIDGE, SHARP, VALLEY, FeatureCurves
+
+_ITERATIONS = 60
+"""About how often smoothing calls back at the default detail; only the progress shown depends on it."""
+
+
+def detect(
+    mesh: TriangleMesh,
+    *,
+    detail: float | None = None,
+    ridges: bool = True,
+    valleys: bool = True,
+    sharp: bool = False,
+    boundary: bool = False,
+    parameters: DetectionParameters = DetectionParameters(),
+    field: Curvature | None = None,
+    progress=None,
+) -> FeatureCurves:
+    """Feature curves of a triangle mesh.
+
+    Parameters
+    ----------
+    mesh : made with `TriangleMesh.of(vertices, faces)`
+    detail : smoothing scale in edge lengths; given here it replaces `parameters.detail`
+    ridges, valleys, sharp, boundary : the kinds to look for
+    field : the result of `measure` for this mesh and detail, to try other thresholds without measuring again
+    progress : called as progress(stage, fraction) with the stages "curvature" and "lines"; may raise Cancelled
+
+    Raises
+    ------
+    InputError
+        a parameter out of its bounds, no kind asked for, a field of another mesh
+
+    Notes
+    -----
+    Near linear in the number of faces, about 1 KB a face.
+    """
+    if detail is not None:
+        parameters = replace(parameters, detail=detail)
+    parameters.validate()
+    if not (ridges or valleys or sharp or boundary):
+        raise InputError("no kind of curve is asked for: choose ridges, valleys, sharp edges or boundaries")
+    if field is None:
+        field = measure(mesh, parameters=parameters, progress=progress)
+    elif len(field.high) != len(mesh.vertices):
+        raise InputError(f"the field has {len(field.high)} values for {len(mesh.vertices)} vertices: measure this mesh")
+    stages = [k for k, wanted in ((RIDGE, ridges), (VALLEY, valleys), (SHARP, sharp), (BOUNDARY, boundary)) if wanted]
+    surface = Surface(mesh)
+    found = []
+    for i, kind in enumerate(stages):
+
+        def tick(part, i=i):
+            if progress is not None:
+                progress("lines", (i + part) / len(stages))
+
+        found.append(_lines(kind, mesh, field, surface, parameters, tick))
+    if progress is not None:
+        progress("lines", 1.0)
+    return _collected(found, stages, mesh)
+
+
+def measure(mesh: TriangleMesh, *, parameters: DetectionParameters = DetectionParameters(), progress=None) -> Curvature:
+    """The smoothed curvature of a mesh at `parameters.detail`, most of the work of `detect`."""
+    done = 0
+
+    def tick():
+        nonlocal done
+        done += 1
+        progress("curvature", done / (done + _ITERATIONS / 2))
+
+    parameters.validate()
+    field = curvature(mesh, parameters.detail * mesh.edge_length, tick=tick if progress is not None else None)
+    if progress is not None:
+        progress("curvature", 1.0)
+    return field
+
+
+def _lines(kind, mesh, field, surface, parameters, tick) -> Lines:
+    """The finished lines of one kind."""
+    h = mesh.edge_length
+    tick(0.0)
+    if kind == SHARP:
+        return sharp_lines(mesh, field, np.radians(parameters.sharp_angle))
+    if kind == BOUNDARY:
+        return boundary_lines(mesh, field)
+    weak = np.radians(parameters.weak_fold)
+    lines, sound = crest_lines(mesh, field, kind, 0.5 * weak)
+    tick(0.2)
+    clear = sound & (lines.fold >= weak)
+    lines = lines.with_segments(clear_segments(lines.segments, lines.points, clear, parameters.bridge * h))
+    lines = without_doubles(lines, parameters.merge * h)
+    tick(0.4)
+    lines = linked(lines, surface, field, gap=parameters.gap * h, turn=np.radians(parameters.turn))
+    tick(0.7)
+    lines = without_spurs(lines, parameters.min_length * h)
+    return _strong(lines, parameters, h)
+
+
+def _strong(lines: Lines, parameters: DetectionParameters, h: float) -> Lines:
+    """The curves that are long enough, and strong over enough of their length."""
+    pieces = lines.chains()
+    share = weights(pieces, lines.points)
+    strong = lines.fold[pieces.nodes] >= np.radians(parameters.strong_fold)
+    strong_length = np.bincount(pieces.label, share * strong, len(pieces))
+    keep = (strong_length >= parameters.strong_length * h) & (strong_length > 0)
+    keep &= pieces.lengths(lines.points) >= parameters.min_length * h
+    a, b = pieces.following()
+    return lines.with_segments(np.stack([pieces.nodes[a], pieces.nodes[b]], axis=1)[keep[pieces.label[a]]])
+
+
+def _collected(found, kinds, mesh) -> FeatureCurves:
+    """Every chain of every kind as one curve, longest first."""
+    parts = [(kind, lines, lines.chains()) for kind, lines in zip(kinds, found)]
+    kind = np.concatenate([np.full(len(c), k) for k, _, c in parts]).astype(np.int64)
+    length = np.concatenate([c.lengths(l.points) for _, l, c in parts])
+    points = np.concatenate([l.points[c.nodes] for _, l, c in parts])
+    strength = np.concatenate([l.strength[c.nodes] for _, l, c in parts])
+    mean_strength = np.concatenate([_mean(c, l, l.strength) for _, l, c in parts])
+    mean_fold = np.degrees(np.concatenate([_mean(c, l, l.fold) for _, l, c in parts]))
+    sizes = np.concatenate([np.diff(c.offsets) for _, _, c in parts])
+    closed = np.concatenate([c.closed for _, _, c in parts])
+    offsets = np.r_[0, np.cumsum(sizes)].astype(np.int64)
+    curves = FeatureCurves(
+        Curves(points, offsets, closed, strength), kind, length, mean_strength, mean_fold, mesh.edge_length
+    )
+    return curves.select(np.lexsort((kind, -length)))
+
+
+def _mean(pieces, lines, values) -> np.ndarray:
+    """(c,) float64, average of node values along each chain by length."""
+    weight = weights(pieces, lines.points)
+    total = np.bincount(pieces.label, weight, len(pieces))
+    return np.bincount(pieces.label, weight * values[pieces.nodes], len(pieces)) / np.maximum(total, 1e-300)

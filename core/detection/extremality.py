@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where a principal curvature is extremal along its own direction: crest points on edges [OBS04], [YBS05].
+
+[OBS04] Ohtake, Belyaev, Seidel, Ridge-valley lines on meshes via implicit surface fitting.
+[YBS05] Yoshizawa, Belyaev, Seidel, Fast and robust detection of crest lines on meshes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi, sqrt
+
+import numpy as np
+
+from .lines import Lines
+from .mesh import TriangleMesh
+from .tensor import Curvature
+
+RIDGE, VALLEY = 0, 1
+
+
+@dataclass(frozen=True)
+class Extremality:
+    """One principal curvature as seen by crest lines: a valley is a ridge of the surface turned inside out.
+
+    value, other : (n,) float64, the curvature that must be maximal, and the second one
+    direction : (n, 3) float64, unit, sign arbitrary
+    slope : (n,) float64, derivative of `value` along `direction`; changes sign with it
+    """
+
+    value: np.ndarray
+    other: np.ndarray
+    direction: np.ndarray
+    slope: np.ndarray
+
+    @classmethod
+    def of(cls, curvature: Curvature, kind: int) -> Extremality:
+        if kind == RIDGE:
+            return cls(curvature.high, curvature.low, curvature.high_direction, curvature.high_slope)
+        return cls(-curvature.low, -curvature.high, curvature.low_direction, -curvature.low_slope)
+
+
+def fold_angle(value: np.ndarray, width: np.ndarray, local: float) -> np.ndarray:
+    """Fold angle in radians that a curvature stands for.
+
+    A fold by the angle w smoothed with a Gaussian of deviation s has the curvature w / (s sqrt(2 pi)) at its top.
+    The mesh itself smooths by about half an edge (`local`), which adds to s in squares.
+    """
+    return np.maximum(value, 0) * np.sqrt(width**2 + (0.5 * local) ** 2) * sqrt(2 * pi)
+
+
+def crest_lines(mesh: TriangleMesh, curvature: Curvature, kind: int, least_fold: float) -> tuple[Lines, np.ndarray]:
+    """Zero crossings of the extremality along edges, joined through faces.
+
+    Along an edge the direction of one end is turned to agree with the other's, so the crossing belongs to
+    the edge alone and both faces share it. A face whose three directions agree in pairs has no crossing or
+    two; where they do not (about an umbilic) one edge is left over: it ends the line, or of three
+    the weakest is dropped. Edges with a fold below `least_fold` (radians) at both ends are not looked at.
+
+    Returns
+    -------
+    lines : one point for each crossing, on the mesh's own edge
+    sound : (p,) bool, a maximum (not a minimum) that dominates the other curvature
+    """
+    field = Extremality.of(curvature, kind)
+    fold = fold_angle(field.value, curvature.width, mesh.edge_length)
+    i, j = mesh.edges.T
+    looked_at = np.flatnonzero((fold[i] >= least_fold) | (fold[j] >= least_fold))
+    i, j = i[looked_at], j[looked_at]
+    same = np.einsum("ij,ij->i", field.direction[i], field.direction[j]) >= 0
+    # an exact zero counts as positive in its own frame, so that all edges of the vertex agree on it
+    slope = np.where(field.slope == 0, 1e-300, field.slope)
+    end = np.where(same, slope[j], -slope[j])
+    crossing = (slope[i] > 0) != (end > 0)
+    looked_at, i, j, end = looked_at[crossing], i[crossing], j[crossing], end[crossing]
+    share = np.abs(slope[i]) / (np.abs(slope[i]) + np.abs(end))
+    point_of = np.full(len(mesh.edges), -1)
+    point_of[looked_at] = np.arange(len(looked_at))
+
+    def between(values):
+        weight = share if values.ndim == 1 else share[:, None]
+        return (1 - weight) * values[i] + weight * values[j]
+
+    strength, other = between(field.value), between(field.other)
+    faces, segments = _through_faces(point_of[mesh.face_edges], strength)
+    falls = _falls(mesh, curvature, field, faces)
+    maximal = np.zeros(len(i), bool)
+    maximal[segments[falls]] = True
+    normals = between(curvature.normals)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    sound = maximal & (strength > np.abs(other))
+    return Lines(between(mesh.vertices), normals, strength, between(fold), segments), sound
+
+
+def _through_faces(points, strength):
+    """Faces that a line passes through, and the two crest points (s, 2) on its edges."""
+    count = (points >= 0).sum(axis=1)
+    faces = np.flatnonzero(count >= 2)
+    points = points[faces]
+    weight = np.where(points >= 0, strength[points], -np.inf)
+    two = np.sort(np.argsort(-weight, axis=1, kind="stable")[:, :2], axis=1)
+    return faces, np.take_along_axis(points, two, axis=1)
+
+
+def _falls(mesh, curvature, field, faces) -> np.ndarray:
+    """(s,) bool: the slope falls along the direction in these faces, so the curvature is maximal there.
+
+    The slope is linear in the face, with the signs of the corners turned to agree with the first; its
+    gradient is the sum of the corner values times (normal x opposite side) / (2 area).
+    """
+    corner = mesh.faces[faces]
+    direction = field.direction[corner]
+    sign = np.where(np.einsum("ijk,ik->ij", direction, direction[:, 0]) >= 0, 1.0, -1.0)
+    slope = field.slope[corner] * sign
+    along = (direction * sign[:, :, None]).sum(axis=1)
+    p = curvature.points[corner]
+    side = p[:, [2, 0, 1]] - p[:, [1, 2, 0]]
+    normal = np.cross(side[:, 0], side[:, 1])
+    gradient = np.cross(normal[:, None], side)
+    return np.einsum("ij,ijk,ik->i", slope, gradient, along) < 0

@@ -1,0 +1,189 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A triangle mesh made fit for detection: cleaned, consistently oriented, with its edges."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy import sparse
+
+from ..errors import InputError
+from .orientation import oriented
+
+_DEGENERATE = 1e-12
+"""A face is dropped when twice its area is below this share of its longest edge squared: rounding alone
+makes normals of such faces meaningless in double precision."""
+
+
+@dataclass(frozen=True)
+class TriangleMesh:
+    """Vertices in scene units and oriented triangles over them; every vertex is used, no face is degenerate.
+
+    vertices : (n, 3) float64
+    faces : (m, 3) int64, counter-clockwise seen from outside
+    vertex_source : (n,) int64, the first input vertex at this place
+    face_source : (m,) int64, the input face (polygon) that this triangle came from
+
+    Make one with `TriangleMesh.of`; the constructor itself checks nothing.
+    """
+
+    vertices: np.ndarray
+    faces: np.ndarray
+    vertex_source: np.ndarray
+    face_source: np.ndarray
+
+    @classmethod
+    def of(cls, vertices, faces) -> TriangleMesh:
+        """Clean input of any kind.
+
+        Parameters
+        ----------
+        vertices : (n, 3) array of finite numbers; duplicates and vertices without a face are allowed
+        faces : (m, k) int array, or a sequence of polygons of at least 3 vertex indices each
+
+        Raises
+        ------
+        InputError
+            no faces, indices out of range, coordinates that are not finite, only zero-area faces.
+
+        Notes
+        -----
+        Equal points are made one vertex, polygons become fans, faces of zero area and repeated faces go,
+        neighbours are turned to agree, and closed outer shells face outwards. O(n log n).
+        """
+        vertices = _checked_vertices(vertices)
+        triangles, source = triangulate(faces)
+        if triangles.min() < 0 or triangles.max() >= len(vertices):
+            bad = int(triangles.min() if triangles.min() < 0 else triangles.max())
+            raise InputError(f"a face names vertex {bad}, but there are {len(vertices)}: the mesh is damaged")
+        used = np.unique(triangles)
+        if not np.isfinite(vertices[used]).all():
+            bad = int(used[~np.isfinite(vertices[used]).all(axis=1)][0])
+            raise InputError(f"vertex {bad} has a coordinate that is not a finite number: remove or repair it")
+        first, position = _distinct(vertices[used])
+        index = np.zeros(len(vertices), np.int64)
+        index[used] = position
+        points, faces = vertices[used[first]], index[triangles]
+        keep = np.flatnonzero(_has_area(points, faces))
+        keep = keep[_first_of_each(faces[keep])]
+        if not len(keep):
+            raise InputError("all faces have zero area: give a mesh with a surface")
+        inside, flat = np.unique(faces[keep], return_inverse=True)
+        faces = oriented(points[inside], flat.reshape(-1, 3).astype(np.int64))
+        return cls(points[inside], faces, used[first][inside], source[keep])
+
+    @cached_property
+    def edges(self) -> np.ndarray:
+        """(e, 2) int64, lower vertex first, in order."""
+        return self._edge_table[0]
+
+    @cached_property
+    def face_edges(self) -> np.ndarray:
+        """(m, 3) int64, column j is the edge opposite corner j."""
+        return self._edge_table[1]
+
+    @cached_property
+    def edge_faces(self) -> np.ndarray:
+        """(e,) int64, number of faces at each edge: 1 on a boundary, above 2 where not manifold."""
+        return np.bincount(self.face_edges.ravel(), minlength=len(self.edges))
+
+    @cached_property
+    def _edge_table(self):
+        n = len(self.vertices)
+        ends = np.sort(self.faces[:, [[1, 2], [2, 0], [0, 1]]].reshape(-1, 2), axis=1)
+        keys, inverse = np.unique(ends[:, 0] * n + ends[:, 1], return_inverse=True)
+        return np.stack([keys // n, keys % n], axis=1), inverse.reshape(-1, 3)
+
+    @cached_property
+    def edge_lengths(self) -> np.ndarray:
+        """(e,) float64, scene units."""
+        return np.linalg.norm(np.diff(self.vertices[self.edges], axis=1)[:, 0], axis=1)
+
+    @cached_property
+    def edge_length(self) -> float:
+        """Mean edge length, scene units: the unit of every length parameter."""
+        return float(self.edge_lengths.mean())
+
+    @cached_property
+    def boundary_vertices(self) -> np.ndarray:
+        """(n,) bool, on an edge that has one face only."""
+        mask = np.zeros(len(self.vertices), bool)
+        mask[self.edges[self.edge_faces == 1]] = True
+        return mask
+
+    @cached_property
+    def incidence(self) -> sparse.csr_matrix:
+        """(n, m) sparse, one where the vertex is a corner of the face."""
+        m = len(self.faces)
+        rows = self.faces.ravel()
+        return sparse.csr_matrix((np.ones(3 * m), (rows, np.repeat(np.arange(m), 3))), (len(self.vertices), m))
+
+
+def triangulate(faces) -> tuple[np.ndarray, np.ndarray]:
+    """Cut polygons into fans of triangles.
+
+    Returns
+    -------
+    triangles : (t, 3) int64
+    source : (t,) int64, polygon of each triangle
+    """
+    if faces is None or len(faces) == 0:
+        raise InputError("the mesh has no faces: give a surface, or complete its curves directly")
+    if isinstance(faces, np.ndarray) and faces.ndim == 2:
+        corners = faces.ravel()
+        sizes = np.full(len(faces), faces.shape[1])
+    else:
+        sizes = np.fromiter((len(f) for f in faces), np.int64, len(faces))
+        corners = np.concatenate([np.asarray(f).ravel() for f in faces])
+    if corners.dtype.kind not in "iu":
+        raise InputError(f"face indices are of type {corners.dtype}: give whole numbers")
+    if sizes.min() < 3:
+        raise InputError(f"face {int(sizes.argmin())} has {int(sizes.min())} vertices: a face needs at least 3")
+    starts = np.cumsum(sizes) - sizes
+    source = np.repeat(np.arange(len(sizes)), sizes - 2)
+    step = np.arange(len(source)) - np.repeat(np.cumsum(sizes - 2) - (sizes - 2), sizes - 2)
+    base = starts[source]
+    at = np.stack([base, base + step + 1, base + step + 2], axis=1)
+    return corners[at].astype(np.int64), source
+
+
+def _checked_vertices(vertices) -> np.ndarray:
+    try:
+        vertices = np.asarray(vertices, np.float64)
+    except (TypeError, ValueError):
+        raise InputError("the vertices are not numbers: give an (n, 3) array of coordinates") from None
+    if vertices.ndim != 2 or vertices.shape[1] != 3:
+        raise InputError(f"the vertices have shape {vertices.shape}: give an (n, 3) array of coordinates")
+    return vertices
+
+
+def _distinct(points):
+    """First index of each distinct point in order of appearance, and (n,) the distinct point of each."""
+    order = np.lexsort(points.T)
+    new = np.ones(len(points), bool)
+    new[1:] = (points[order[1:]] != points[order[:-1]]).any(axis=1)
+    group = np.empty(len(points), np.int64)
+    group[order] = np.cumsum(new) - 1
+    first = order[new]  # lexsort is stable: the first of each group has the lowest index
+    rank = np.argsort(first)
+    place = np.empty(len(first), np.int64)
+    place[rank] = np.arange(len(first))
+    return first[rank], place[group]
+
+
+def _has_area(points, faces) -> np.ndarray:
+    p = points[faces]
+    sides = p[:, [1, 2, 0]] - p
+    longest = (sides**2).sum(axis=2).max(axis=1)
+    return np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1) > _DEGENERATE * longest
+
+
+def _first_of_each(faces) -> np.ndarray:
+    """Indices of the faces left when repeats of the same three vertices go, in order."""
+    corners = np.sort(faces, axis=1)
+    order = np.lexsort(corners.T)
+    new = np.ones(len(faces), bool)
+    new[1:] = (corners[order[1:]] != corners[order[:-1]]).any(axis=1)
+    return np.sort(order[new])

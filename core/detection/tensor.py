@@ -1,0 +1,273 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Curvature tensors and their derivative per vertex [Rus04], at a smoothing scale.
+
+[Rus04] Rusinkiewicz, Estimating Curvatures and Their Derivatives on Triangle Meshes, 2004. Convex is positive.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .mesh import TriangleMesh
+from .smoothing import Diffusion
+
+_TINY = 1e-300
+
+
+@dataclass(frozen=True)
+class Curvature:
+    """Principal curvatures and directions with their derivatives along themselves, per vertex.
+
+    high, low : (n,) float64, principal curvatures, high >= low, 1 / length, convex positive
+    high_direction, low_direction : (n, 3) float64, unit, in the tangent plane; the sign is arbitrary
+    high_slope, low_slope : (n,) float64, derivative of each curvature along its own direction (extremality)
+    points, normals : (n, 3) float64, the smoothed surface; the normals are unit
+    width : (n,) float64, standard deviation of the smoothing, scene units
+    """
+
+    high: np.ndarray
+    low: np.ndarray
+    high_direction: np.ndarray
+    low_direction: np.ndarray
+    high_slope: np.ndarray
+    low_slope: np.ndarray
+    points: np.ndarray
+    normals: np.ndarray
+    width: np.ndarray
+
+    @property
+    def strength(self) -> np.ndarray:
+        """(n,) float64, the larger absolute principal curvature, 1 / length."""
+        return np.maximum(np.abs(self.high), np.abs(self.low))
+
+
+def curvature(mesh: TriangleMesh, scale: float, *, fine: float = 0.5, tick=None) -> Curvature:
+    """Fit the tensors of the surface smoothed by the standard deviation `scale` (scene units).
+
+    The positions are diffused first, because a fit cannot undo noise that has entered the normals; the normals
+    and the tensors are diffused by `fine` times as much again, so that the third derivatives are smooth too.
+    """
+    diffusion = Diffusion.of(mesh)
+    width = diffusion.width(scale)
+    centre = mesh.vertices.mean(axis=0)  # keeps the digits of models far from the origin
+    points = diffusion.smooth(mesh.vertices - centre, width, tick=tick)
+    normals = vertex_normals(points, mesh)
+    if fine > 0:
+        normals = _unit(diffusion.smooth(normals, fine * width, 2, tick))
+    shape = face_shape(points, normals, mesh.faces)
+    tensor = vertex_tensors(face_tensors(shape, normals, mesh.faces), shape, normals, mesh)
+    if fine > 0:
+        tensor = _tangential(diffusion.smooth(tensor, fine * width, 2, tick), normals)
+    u, v = tangent_frames(normals)
+    high, low, high_direction, low_direction = principal(tensor, u, v)
+    derivative = vertex_derivatives(face_derivatives(shape, tensor, mesh.faces), shape, mesh)
+    if fine > 0:
+        derivative = diffusion.smooth(derivative, fine * width, 1, tick)
+    high_slope, low_slope = cubic(derivative, high_direction), cubic(derivative, low_direction)
+    return Curvature(high, low, high_direction, low_direction, high_slope, low_slope, points + centre, normals, width)
+
+
+def _unit(vectors):
+    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return np.divide(vectors, length, out=np.zeros_like(vectors), where=length > _TINY)
+
+
+def vertex_normals(points, mesh: TriangleMesh) -> np.ndarray:
+    """(n, 3) float64, unit normals weighted by area over squared lengths of the sides, exact on a sphere [Max 1999]."""
+    p = points[mesh.faces]
+    side = p[:, [1, 2, 0]] - p
+    square = (side**2).sum(axis=2)
+    normal = np.cross(side[:, 0], side[:, 1])
+    # corner j lies between side j and side j-1
+    weight = 1 / np.maximum(square * square[:, [2, 0, 1]], _TINY)
+    n = len(points)
+    flat = mesh.faces.ravel()
+    total = [np.bincount(flat, (normal[:, None, k] * weight).ravel(), n) for k in range(3)]
+    return _unit(np.stack(total, axis=1))
+
+
+def tangent_frames(normals) -> tuple[np.ndarray, np.ndarray]:
+    """Two unit tangents (n, 3) at right angles to each normal, right-handed."""
+    # branch-free frame: the sign keeps the denominator away from zero
+    x, y, z = normals.T
+    s = np.where(z >= 0, 1.0, -1.0)
+    a = -1 / (s + z)
+    b = x * y * a
+    u = np.stack([1 + s * x * x * a, s * b, -s * x], axis=1)
+    v = np.stack([b, s + y * y * a, -y], axis=1)
+    return u, v
+
+
+@dataclass(frozen=True)
+class FaceShape:
+    """Frames and sides of the faces: u, v, normal (m, 3) unit; side_u, side_v (m, 3), side j opposite corner j,
+    in the frame; area (m,); weight (m, 3), the share of the area at each corner."""
+
+    u: np.ndarray
+    v: np.ndarray
+    normal: np.ndarray
+    side_u: np.ndarray
+    side_v: np.ndarray
+    area: np.ndarray
+    weight: np.ndarray
+
+
+def face_shape(points, normals, faces) -> FaceShape:
+    """Frame of each face: u along its first side, v at right angles in its plane."""
+    p = points[faces]
+    side = p[:, [2, 0, 1]] - p[:, [1, 2, 0]]
+    normal = np.cross(side[:, 0], side[:, 1])
+    area = 0.5 * np.linalg.norm(normal, axis=1)
+    normal = _unit(normal)
+    u = _unit(side[:, 0])
+    v = np.cross(normal, u)
+    side_u = np.einsum("ijk,ik->ij", side, u)
+    side_v = np.einsum("ijk,ik->ij", side, v)
+    return FaceShape(u, v, normal, side_u, side_v, area, np.repeat(area[:, None] / 3, 3, axis=1))
+
+
+def face_tensors(shape: FaceShape, normals, faces) -> np.ndarray:
+    """(m, 3) float64: a, b, c of the second form [[a, b], [b, c]] in the face's frame.
+
+    Least squares over the three sides of (a, b; b, c) side = change of normal, [Rus04] section 3. Its normal
+    equations [[A, B, 0], [B, A + C, B], [0, B, C]] have the determinant (A + C)(AC - B^2).
+    """
+    n = normals[faces]
+    change = n[:, [2, 0, 1]] - n[:, [1, 2, 0]]
+    du = np.einsum("ijk,ik->ij", change, shape.u)
+    dv = np.einsum("ijk,ik->ij", change, shape.v)
+    su, sv = shape.side_u, shape.side_v
+    A, B, C = (su * su).sum(1), (su * sv).sum(1), (sv * sv).sum(1)
+    ru, rm, rv = (su * du).sum(1), (sv * du + su * dv).sum(1), (sv * dv).sum(1)
+    determinant = np.maximum((A + C) * (A * C - B * B), _TINY)
+    A, C = np.maximum(A, _TINY), np.maximum(C, _TINY)
+    b = (A * C * rm - B * C * ru - A * B * rv) / determinant
+    return np.stack([(ru - B * b) / A, b, (rv - B * b) / C], axis=1)
+
+
+def vertex_tensors(tensors, shape: FaceShape, normals, mesh: TriangleMesh) -> np.ndarray:
+    """(n, 6) float64: xx, xy, xz, yy, yz, zz of the tensor at each vertex, the mean of its faces by area.
+
+    Each face's tensor is first turned by the smallest rotation that takes the face's normal to the vertex's
+    ([Rus04] section 3.1): projecting it would lose curvature where the surface bends.
+    """
+    n = len(normals)
+    total, weight = np.zeros((n, 6)), np.zeros(n)
+    for j in range(3):
+        corner = mesh.faces[:, j]
+        target = normals[corner]
+        u, v = _rotated((shape.u, shape.v), shape.normal, target)
+        world = _symmetric(tensors, u, v) * shape.weight[:, j, None]
+        for k in range(6):
+            total[:, k] += np.bincount(corner, world[:, k], n)
+        weight += np.bincount(corner, shape.weight[:, j], n)
+    return total / np.maximum(weight, _TINY)[:, None]
+
+
+def _rotated(vectors, start, end):
+    """Vectors turned by the smallest rotation from unit `start` to unit `end`.
+
+    R x = x - (x.(s + e)) / (1 + s.e) (s + e) + 2 (x.s) e, and x.s = 0 here.
+    """
+    middle = start + end
+    factor = 1 / np.maximum(1 + np.einsum("ij,ij->i", start, end), 1e-6)
+    return [x - (np.einsum("ij,ij->i", x, end) * factor)[:, None] * middle for x in vectors]
+
+
+def _symmetric(t, u, v):
+    """(m, 6) world components of a uu + b (uv + vu) + c vv."""
+    a, b, c = t.T
+    pairs = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
+    return np.stack(
+        [a * u[:, i] * u[:, j] + b * (u[:, i] * v[:, j] + v[:, i] * u[:, j]) + c * v[:, i] * v[:, j] for i, j in pairs],
+        axis=1,
+    )
+
+
+def _in_frame(t, u, v):
+    """(n, 3): a, b, c of world tensors (n, 6) in the frames u, v."""
+
+    def form(p, q):
+        return (
+            t[:, 0] * p[:, 0] * q[:, 0]
+            + t[:, 3] * p[:, 1] * q[:, 1]
+            + t[:, 5] * p[:, 2] * q[:, 2]
+            + t[:, 1] * (p[:, 0] * q[:, 1] + p[:, 1] * q[:, 0])
+            + t[:, 2] * (p[:, 0] * q[:, 2] + p[:, 2] * q[:, 0])
+            + t[:, 4] * (p[:, 1] * q[:, 2] + p[:, 2] * q[:, 1])
+        )
+
+    return np.stack([form(u, u), form(u, v), form(v, v)], axis=1)
+
+
+def _tangential(t, normals):
+    """World tensors (n, 6) without their part along the normal."""
+    u, v = tangent_frames(normals)
+    return _symmetric(_in_frame(t, u, v), u, v)
+
+
+def principal(tensor, u, v):
+    """Principal curvatures high >= low (n,) and their unit directions (n, 3) of world tensors (n, 6)."""
+    a, b, c = _in_frame(tensor, u, v).T
+    mean, half = 0.5 * (a + c), 0.5 * (a - c)
+    root = np.hypot(half, b)
+    angle = 0.5 * np.arctan2(b, half)
+    cos, sin = np.cos(angle)[:, None], np.sin(angle)[:, None]
+    return mean + root, mean - root, cos * u + sin * v, cos * v - sin * u
+
+
+def face_derivatives(shape: FaceShape, tensor, faces) -> np.ndarray:
+    """(m, 4) float64: the symmetric derivative of the tensor in each face's frame, [Rus04] section 4.
+
+    Components uuu, uuv, uvv, vvv; least squares over the three sides, off-diagonal entries counted twice.
+    """
+    local = []
+    for j in range(3):
+        local.append(_in_frame(tensor[faces[:, j]], shape.u, shape.v))
+    su, sv = shape.side_u, shape.side_v
+    matrix = np.zeros((len(faces), 4, 4))
+    right = np.zeros((len(faces), 4))
+    A, B, C = (su * su).sum(1), (su * sv).sum(1), (sv * sv).sum(1)
+    matrix[:, 0, 0], matrix[:, 1, 1], matrix[:, 2, 2], matrix[:, 3, 3] = A, 2 * A + C, A + 2 * C, C
+    matrix[:, 0, 1] = matrix[:, 1, 0] = matrix[:, 2, 3] = matrix[:, 3, 2] = B
+    matrix[:, 1, 2] = matrix[:, 2, 1] = 2 * B
+    for j in range(3):
+        da, db, dc = (local[(j + 2) % 3] - local[(j + 1) % 3]).T
+        s, t = su[:, j], sv[:, j]
+        right[:, 0] += s * da
+        right[:, 1] += t * da + 2 * s * db
+        right[:, 2] += 2 * t * db + s * dc
+        right[:, 3] += t * dc
+    size = np.maximum(A + C, _TINY)
+    matrix /= size[:, None, None]
+    matrix[:, range(4), range(4)] += 1e-9  # needle faces only: the fit of a sound face changes by a billionth
+    return np.linalg.solve(matrix, (right / size[:, None])[:, :, None])[:, :, 0]
+
+
+_CUBIC = ((0, 0, 0), (1, 1, 1), (2, 2, 2), (0, 0, 1), (0, 0, 2), (0, 1, 1), (1, 1, 2), (0, 2, 2), (1, 2, 2), (0, 1, 2))
+_TIMES = np.array([1, 1, 1, 3, 3, 3, 3, 3, 3, 6.0])
+
+
+def vertex_derivatives(derivatives, shape: FaceShape, mesh: TriangleMesh) -> np.ndarray:
+    """(n, 10) float64: independent entries of the symmetric cubic form in world axes, the mean of the faces."""
+    p, q, r, s = derivatives.T
+    u, v = shape.u, shape.v
+    world = np.empty((len(u), 10))
+    for k, (i, j, l) in enumerate(_CUBIC):
+        ui, uj, ul, vi, vj, vl = u[:, i], u[:, j], u[:, l], v[:, i], v[:, j], v[:, l]
+        world[:, k] = (
+            p * ui * uj * ul
+            + q * (ui * uj * vl + ui * vj * ul + vi * uj * ul)
+            + r * (ui * vj * vl + vi * uj * vl + vi * vj * ul)
+            + s * vi * vj * vl
+        )
+    weight = shape.weight[:, :1]
+    return (mesh.incidence @ (world * weight)) / np.maximum(mesh.incidence @ weight, _TINY)
+
+
+def cubic(form, direction) -> np.ndarray:
+    """(n,) float64, the cubic form (n, 10) applied three times to a direction (n, 3)."""
+    t = direction.T
+    return sum(n * form[:, k] * t[i] * t[j] * t[l] for k, ((i, j, l), n) in enumerate(zip(_CUBIC, _TIMES)))
