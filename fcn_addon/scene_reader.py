@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Edge meshes and curve objects of a scene as curves: evaluated, in world space."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..core.errors import InputError
+from ..core.files.network import Reading, concatenate, curves_of_chains, curves_of_samples
+from ..core.graph import chains_of_edges
+
+KINDS = ("MESH", "CURVE", "CURVES")
+STRENGTH = "curvature"  # a float attribute of the points, 1 / length
+
+
+@dataclass(frozen=True)
+class SceneReading:
+    """Curves of objects.
+
+    names : the objects that were read
+    owner : (reading.count,) int64, which of them each input curve comes from
+    """
+
+    reading: Reading
+    names: tuple[str, ...]
+    owner: np.ndarray
+
+
+def curve_objects(objects) -> list:
+    """Those that may hold curves: curve objects, and meshes that have edges and no faces."""
+    return [o for o in objects if o.type in KINDS and (o.type != "MESH" or (o.data.edges and not o.data.polygons))]
+
+
+def read_objects(objects, depsgraph) -> SceneReading:
+    """Read objects in the order given.
+
+    Raises InputError for one of another type, a surface, one without curves, coordinates that are not finite.
+    """
+    objects = list(objects)
+    if not objects:
+        raise InputError("no curves are chosen; choose edge meshes or curve objects")
+    readings = [_read_object(o, depsgraph) for o in objects]
+    owner = np.repeat(np.arange(len(objects)), [r.count for r in readings])
+    return SceneReading(concatenate(readings), tuple(o.name for o in objects), owner)
+
+
+def _read_object(item, depsgraph) -> Reading:
+    if item.type not in KINDS:
+        raise InputError(f"object {item.name!r} is of type {item.type}; choose edge meshes or curve objects")
+    evaluated = item.evaluated_get(depsgraph)
+    matrix = np.array(item.matrix_world if evaluated is None else evaluated.matrix_world, float)
+    if evaluated.type == "CURVES":
+        return _read_hair(item.name, evaluated.data, matrix)
+    mesh = evaluated.to_mesh()
+    try:
+        if mesh is None or not mesh.edges:
+            raise InputError(f"object {item.name!r} has no edges; choose edge meshes or curve objects")
+        if mesh.polygons:
+            remedy = "set its bevel and extrusion to 0" if item.type == "CURVE" else "detect its feature curves first"
+            raise InputError(f"object {item.name!r} is a surface of {len(mesh.polygons)} faces; {remedy}")
+        return _read_mesh(item.name, mesh, matrix)
+    finally:
+        evaluated.to_mesh_clear()
+
+
+def _read_mesh(name, mesh, matrix) -> Reading:
+    points = np.empty(3 * len(mesh.vertices), np.float32)
+    mesh.vertices.foreach_get("co", points)
+    edges = np.empty(2 * len(mesh.edges), np.int32)
+    mesh.edges.foreach_get("vertices", edges)
+    strength = _floats(mesh.attributes.get(STRENGTH), len(mesh.vertices), matrix)
+    points = _world(name, points, matrix)
+    return curves_of_chains(f"object {name!r}", points, chains_of_edges(edges.reshape(-1, 2)), strength)
+
+
+def _read_hair(name, data, matrix) -> Reading:
+    """The newer curve type: points as an attribute, curves as ranges of them."""
+    count = len(data.points)
+    if count == 0:
+        raise InputError(f"object {name!r} has no points; choose edge meshes or curve objects")
+    points = np.empty(3 * count, np.float32)
+    data.attributes["position"].data.foreach_get("vector", points)
+    first = np.empty(len(data.curves), np.int32)
+    data.curves.foreach_get("first_point_index", first)
+    cyclic = data.attributes.get("cyclic")
+    closed = np.zeros(len(first), bool)
+    if cyclic is not None:
+        cyclic.data.foreach_get("value", closed)
+    strength = _floats(data.attributes.get(STRENGTH), count, matrix)
+    offsets = np.r_[first, count].astype(np.int64)
+    points = _world(name, points, matrix)
+    return curves_of_samples(f"object {name!r}", points, offsets, closed, np.arange(len(first)), strength)
+
+
+def _world(name, points, matrix) -> np.ndarray:
+    """(n, 3) float64, local coordinates in world space."""
+    points = points.reshape(-1, 3).astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
+    wrong = np.flatnonzero(~np.isfinite(points).all(axis=1))
+    if len(wrong):
+        raise InputError(f"object {name!r}: vertex {wrong[0]} is not finite; remove it or correct it")
+    return points
+
+
+def _floats(attribute, count, matrix):
+    """Curvature of the points in world space, which scales with the inverse of the object's mean scale."""
+    if attribute is None or attribute.domain != "POINT" or attribute.data_type != "FLOAT":
+        return None
+    values = np.empty(count, np.float32)
+    attribute.data.foreach_get("value", values)
+    scale = abs(np.linalg.det(matrix[:3, :3])) ** (1 / 3)
+    return np.nan_to_num(np.abs(values.astype(np.float64)) / (scale or 1.0), posinf=0.0)

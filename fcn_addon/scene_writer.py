@@ -1,0 +1,203 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A completion as collections of curve objects. Only bpy.data is used, so it works in any context.
+
+FCN <source>
+    Input               the curves that were read, an edge mesh; hidden
+    Templates           per transformation a collection; an empty per occurrence holds the template's curves
+    Components          per component the same objects again, and the input pieces that show it; those are hidden
+    Strong              an object per strong single curve
+    Noise               the rest of the input; hidden
+"""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from ..core.report import moved
+from . import colours
+from .wording import plain_length, titles
+
+
+def write(completion, curves, *, source, scene, length=None):
+    """Make the collections and link them to a scene; on any fault everything that was made is removed.
+
+    Parameters
+    ----------
+    completion, curves : a Completion and the Curves it is of
+    source : str, what the curves are called
+    length : turns scene units into words, by default with the unit of the scene
+
+    Returns
+    -------
+    bpy.types.Collection, the one that holds all others
+
+    Notes
+    -----
+    O(objects). Nothing is linked to the scene before all is made: each link into a scene's tree would visit the tree.
+    """
+    made = []
+    try:
+        root = _Writer(made, completion, curves).write(source, length or unit_length(scene))
+        scene.collection.children.link(root)
+    except BaseException:
+        bpy.data.batch_remove(made)
+        raise
+    return root
+
+
+def unit_length(scene):
+    """A function that words a length in the units of a scene."""
+    units = scene.unit_settings
+    if units.system == "NONE":
+        return plain_length
+    return lambda value: bpy.utils.units.to_string(
+        units.system, "LENGTH", value * units.scale_length, precision=3, split_unit=False
+    )
+
+
+class _Writer:
+    """Makes the data of one result; `made` collects all of it."""
+
+    def __init__(self, made, completion, curves):
+        self.made = made
+        self.completion = completion
+        self.curves = curves
+        self.components = {}
+
+    def write(self, source, length):
+        root = self._collection(f"FCN {source}"[:63])
+        self._input(self._collection("Input", root, hidden=True))
+        templates = self._collection("Templates", root)
+        components = self._collection("Components", root)
+        self._templates(templates, titles(self.completion.transformations, length))
+        self._components(components)
+        self._strong(self._collection("Strong", root))
+        noise = self._collection("Noise", root, hidden=True)
+        pieces = np.flatnonzero(self.completion.inputs.kind == "noise")
+        if len(pieces):
+            self._pieces("Noise", pieces, noise, colours.NOISE)
+        return root
+
+    def _collection(self, name, parent=None, hidden=False):
+        collection = bpy.data.collections.new(name)
+        self.made.append(collection)
+        collection.hide_viewport = collection.hide_render = hidden
+        if parent is not None:
+            parent.children.link(collection)
+        return collection
+
+    def _object(self, name, data, collection, colour=None):
+        made = bpy.data.objects.new(name, data)
+        self.made.append(made)
+        collection.objects.link(made)
+        if colour is not None:
+            made.color = (*colour, 1.0)
+        return made
+
+    def _curve(self, name, polylines, closed):
+        """Curve data with a poly spline each; without bevel."""
+        data = bpy.data.curves.new(name, "CURVE")
+        self.made.append(data)
+        data.dimensions = "3D"
+        for points, loop in zip(polylines, closed):
+            spline = data.splines.new("POLY")
+            spline.points.add(len(points) - 1)
+            spline.points.foreach_set("co", np.c_[points, np.ones(len(points))].astype(np.float32).ravel())
+            spline.use_cyclic_u = bool(loop)
+        return data
+
+    def _input(self, collection):
+        """The input as one edge mesh, about its own centre, so that float32 holds it far from the origin too."""
+        curves = self.curves
+        centre = _centre(curves.points)
+        mesh = bpy.data.meshes.new("Input")
+        self.made.append(mesh)
+        edges = _edges(curves)
+        mesh.vertices.add(len(curves.points))
+        mesh.vertices.foreach_set("co", (curves.points - centre).astype(np.float32).ravel())
+        mesh.edges.add(len(edges))
+        mesh.edges.foreach_set("vertices", edges.astype(np.int32).ravel())
+        owner = np.repeat(curves.source, np.diff(curves.offsets)).astype(np.int32)
+        mesh.attributes.new("source", "INT", "POINT").data.foreach_set("value", owner)
+        if curves.strength is not None:
+            strength = curves.strength.astype(np.float32)
+            mesh.attributes.new("curvature", "FLOAT", "POINT").data.foreach_set("value", strength)
+        mesh.update()
+        self._object("Input", mesh, collection, colours.NOISE).location = centre
+
+    def _templates(self, collection, named):
+        homes = {id: self._collection(title[:63], collection) for id, title in named.items()}
+        for template in self.completion.templates:
+            home = homes[template.transformation]
+            # The empties stand in the middle of what they hold; the template's space may be far from it.
+            centre = _centre(np.concatenate([c.points for c in template.curves]))
+            parts = [
+                (curve, self._curve(f"Template {template.id} curve {i}", [curve.points - centre], [curve.closed]))
+                for i, curve in enumerate(template.curves)
+            ]
+            for occurrence, motion in enumerate(template.occurrences):
+                self._occurrence(template, occurrence, motion, centre, parts, home)
+
+    def _occurrence(self, template, occurrence, motion, centre, parts, home):
+        holder = self._object(f"Template {template.id} at {occurrence}", None, home)
+        matrix = np.array(motion, float)
+        matrix[:3, 3] = moved(centre, matrix)
+        holder.matrix_world = matrix.T.tolist()
+        holder.empty_display_size = 0.2 * max(_radius(template, centre), 1e-6)
+        holder["template"], holder["occurrence"] = int(template.id), occurrence
+        for (curve, data), support in zip(parts, template.evidence[occurrence].tolist()):
+            part = self._object(data.name, data, home, colours.TEMPLATE)
+            part.parent = holder
+            part["template"], part["occurrence"] = int(template.id), occurrence
+            part["component"], part["support"] = int(curve.component), support
+            if curve.component >= 0:
+                self.components.setdefault(int(curve.component), []).append(part)
+
+    def _components(self, collection):
+        shown = self.completion.inputs.component
+        for label in sorted({*self.components, *(int(c) for c in np.unique(shown) if c >= 0)}):
+            home = self._collection(f"Component {label}", collection)
+            for part in self.components.get(label, ()):
+                home.objects.link(part)
+            pieces = np.flatnonzero(shown == label)
+            if len(pieces):
+                made = self._pieces(f"Component {label} input", pieces, home, colours.distinct(label))
+                made.hide_viewport = made.hide_render = True
+                made["component"] = label
+
+    def _strong(self, collection):
+        for i, curve in enumerate(self.completion.strong):
+            centre = _centre(curve.points)
+            data = self._curve(f"Strong {i}", [curve.points - centre], [curve.closed])
+            made = self._object(data.name, data, collection, colours.STRONG)
+            made.location = centre
+            made["template"] = made["occurrence"] = made["component"] = -1
+            made["support"] = float(curve.support)
+
+    def _pieces(self, name, pieces, collection, colour):
+        """Input curves as one object."""
+        polylines = [self.curves.curve(i) for i in pieces]
+        centre = _centre(np.concatenate(polylines))
+        data = self._curve(name, [p - centre for p in polylines], self.curves.closed[pieces])
+        made = self._object(name, data, collection, colour)
+        made.location = centre
+        return made
+
+
+def _centre(points) -> np.ndarray:
+    """(3,) float64, the middle of the bounding box."""
+    return 0.5 * (points.min(axis=0) + points.max(axis=0))
+
+
+def _radius(template, centre) -> float:
+    return max(float(np.linalg.norm(c.points - centre, axis=1).max()) for c in template.curves)
+
+
+def _edges(curves) -> np.ndarray:
+    """(k, 2) int64, the edges of all curves, those that close a curve last."""
+    ends = np.zeros(len(curves.points), bool)
+    ends[curves.offsets[1:] - 1] = True
+    inner = np.flatnonzero(~ends)
+    first, last = curves.offsets[:-1][curves.closed], curves.offsets[1:][curves.closed] - 1
+    return np.concatenate([np.stack([inner, inner + 1], axis=1), np.stack([last, first], axis=1)])
