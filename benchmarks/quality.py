@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Quality on scenes with known truth: `python -m benchmarks.quality [FILES or FOLDERS] [--layout X --level Y --seed N]`.
+"""Quality on scenes with known truth: `python -m benchmarks.quality FILES` or `--layout X --level Y --seed N`.
 
 Each scene is completed in this process, one after the other, and measured; a line says what passes. With
 `--report` an existing report is measured in place of a run.
@@ -52,8 +52,9 @@ def curves_of(scene) -> Curves:
 
 def completed(scene, *, edge_length=EDGE_LENGTH) -> tuple[dict, float]:
     """The report of the whole method on a scene and the wall clock seconds it took."""
-    from core.parameters import Parameters
     from core.pipeline import complete
+
+    from core.parameters import Parameters
     from core.report import report
 
     curves, parameters = curves_of(scene), Parameters()
