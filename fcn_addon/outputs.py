@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 from pathlib import Path
 
@@ -52,11 +53,17 @@ class Outputs:
             if kind is None:
                 for path, part in list(self._part.items()):
                     self._move(part, path)
-            elif isinstance(error, OSError):
-                raise InputError(f"{error.filename or 'output'}: cannot be written ({error.strerror})") from error
+            elif isinstance(error, OSError) and (error.errno == errno.ENOSPC or self._is_part(error.filename)):
+                names = ", ".join(map(str, self._final))
+                raise InputError(
+                    f"{names}: cannot be written ({error.strerror}); make room or check the folder"
+                ) from None
         finally:
             self._remove()
         return False
+
+    def _is_part(self, name):
+        return name is not None and Path(name) in self._part.values()
 
     def _move(self, part, path):
         try:
