@@ -124,7 +124,7 @@ class _Writer:
             strength = curves.strength.astype(np.float32)
             mesh.attributes.new("curvature", "FLOAT", "POINT").data.foreach_set("value", strength)
         mesh.update()
-        self._object("Input", mesh, collection, colours.NOISE).location = centre
+        _place(self._object("Input", mesh, collection, colours.NOISE), centre)
 
     def _templates(self, collection, named):
         homes = {id: self._collection(title[:63], collection) for id, title in named.items()}
@@ -143,7 +143,7 @@ class _Writer:
         holder = self._object(f"Template {template.id} at {occurrence}", None, home)
         matrix = np.array(motion, float)
         matrix[:3, 3] = moved(centre, matrix)
-        holder.matrix_world = matrix.T.tolist()
+        holder.matrix_world = matrix.T.tolist()  # nested sequences are columns here
         holder.empty_display_size = 0.2 * max(_radius(template, centre), 1e-6)
         holder["template"], holder["occurrence"] = int(template.id), occurrence
         for (curve, data), support in zip(parts, template.evidence[occurrence].tolist()):
@@ -171,7 +171,7 @@ class _Writer:
             centre = _centre(curve.points)
             data = self._curve(f"Strong {i}", [curve.points - centre], [curve.closed])
             made = self._object(data.name, data, collection, colours.STRONG)
-            made.location = centre
+            _place(made, centre)
             made["template"] = made["occurrence"] = made["component"] = -1
             made["support"] = float(curve.support)
 
@@ -181,8 +181,15 @@ class _Writer:
         centre = _centre(np.concatenate(polylines))
         data = self._curve(name, [p - centre for p in polylines], self.curves.closed[pieces])
         made = self._object(name, data, collection, colour)
-        made.location = centre
+        _place(made, centre)
         return made
+
+
+def _place(item, centre):
+    """Move an object, so that its matrix is right at once: a hidden one is not evaluated."""
+    matrix = np.eye(4)
+    matrix[3, :3] = centre
+    item.matrix_world = matrix.tolist()
 
 
 def _centre(points) -> np.ndarray:

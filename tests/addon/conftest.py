@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The extension as Blender loads it: the project's folder linked into a fresh extensions folder, and enabled.
+
+These tests never import `core` or `fcn_addon` directly: their modules are those of the loaded extension.
+"""
+
+import importlib
+import os
+import shutil
+import tempfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+NAME = "bl_ext.user_default.fcn_addon"
+
+# Blender reads this when bpy is imported, which must therefore not be before.
+_resources = tempfile.mkdtemp(prefix="fcn-tests-")
+os.environ["BLENDER_USER_RESOURCES"] = _resources
+
+
+@pytest.fixture(scope="session", autouse=True)
+def extension():
+    """The name of the enabled extension's root package."""
+    pytest.importorskip("bpy", reason="these tests need Blender as a module (pip install bpy)")
+    import addon_utils
+
+    home = Path(_resources) / "extensions" / "user_default"
+    home.mkdir(parents=True)
+    (home / "fcn_addon").symlink_to(ROOT, target_is_directory=True)
+    faults = []
+    addon_utils.enable(NAME, default_set=True, handle_error=faults.append)
+    assert not faults, faults
+    yield NAME
+    # What is still registered when the process ends brings some versions down.
+    addon_utils.disable(NAME, default_set=True)
+    shutil.rmtree(_resources, ignore_errors=True)
+
+
+@pytest.fixture
+def part(extension):
+    """Import a module of the extension: part("fcn_addon.scene_writer")."""
+    return lambda name: importlib.import_module(f"{extension}.{name}")
+
+
+@pytest.fixture
+def bpy(extension):
+    """bpy with an empty scene and the extension enabled."""
+    import bpy
+
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    return bpy
+
+
+@pytest.fixture
+def completion(part):
+    """A small completion made by hand: a template of two curves at 3 x 2 places, one strong curve."""
+    values = part("core.values")
+    steps = np.array([np.eye(4), np.eye(4)])
+    steps[0, 0, 3], steps[1, 2, 3] = 1.8, 2.4
+    grid = values.Transformation(5, "grid", steps, np.array([[0, 2], [0, 1]]), 40.0, 0.4)
+    angle = np.linspace(0, np.pi, 9)
+    arch = np.c_[np.cos(angle), np.zeros(9), np.sin(angle)] + [100, 0, 0]
+    ring = np.c_[np.cos(2 * angle[:-1]), np.zeros(8), np.sin(2 * angle[:-1])] / 4 + [100, 0, 1]
+    parts = (values.CompletedCurve(arch, False, 0, 0.8), values.CompletedCurve(ring, True, 1, 0.6))
+    power = np.linalg.matrix_power
+    places = np.array([power(steps[0], i) @ power(steps[1], j) for i in range(3) for j in range(2)])
+    places[-1] = places[-1] @ np.array([[0, -1, 0, 7], [1, 0, 0, 8], [0, 0, 1, 9], [0, 0, 0, 1.0]])
+    evidence = np.linspace(0, 1, 12).reshape(6, 2)
+    template = values.Template(3, 5, parts, places, evidence)
+    classes = values.InputClasses(
+        np.array(["template", "template", "strong", "noise"]), np.array([5, 5, -1, -1]), np.array([0, 1, -1, -1])
+    )
+    strong = (values.CompletedCurve(arch + [0, 50, 0], False, -1, 1.0),)
+    return values.Completion(0.02, (grid,), (template,), strong, classes, {"blast": 1.0}, {"matches": 3})
+
+
+@pytest.fixture
+def curves(part):
+    """The input that `completion` is of; the second curve is closed."""
+    rng = np.random.default_rng(1)
+    lines = [np.cumsum(rng.normal(size=(n, 3)), axis=0) for n in (4, 5, 6, 3)]
+    return part("core.values").Curves.from_list(
+        lines, [False, True, False, False], [np.full(len(p), 2.0) for p in lines]
+    )

@@ -1,0 +1,232 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The command line in this process: what it reads, writes, says, and its exit codes."""
+
+import dataclasses
+import io
+import json
+import os
+import signal
+import sys
+
+import numpy as np
+import pytest
+
+
+def arcs(seed=5, count=4):
+    """OBJ text: rows of equal wavy curves, one step apart, and a stray one; the edge length is 0.1."""
+    rng = np.random.default_rng(seed)
+    along = np.arange(0, 9, 0.1)
+    wave = np.c_[along, np.sin(along) + 0.3 * np.cos(2.3 * along), 0.5 * np.cos(1.7 * along)]
+    lines = [wave + [0, 6 * i, 0] + rng.normal(scale=0.01, size=wave.shape) for i in range(count)]
+    lines.append(np.cumsum(rng.normal(scale=0.05, size=(12, 3)), axis=0) + [0, 0, 5])
+    text, base = [], 1
+    for line in lines:
+        text += [f"v {x:.6f} {y:.6f} {z:.6f}" for x, y, z in line.tolist()]
+        text.append("l " + " ".join(map(str, range(base, base + len(line)))))
+        base += len(line)
+    return "\n".join(text) + "\n"
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """The current folder, with one input in it."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "in.obj").write_text(arcs())
+    return tmp_path
+
+
+@pytest.fixture
+def fcn(bpy, part, capsys):
+    """Run the command; exit code and what went to stderr."""
+    main = part("fcn_addon.command_line").main
+
+    def run(*arguments):
+        code = main([str(a) for a in arguments])
+        return code, capsys.readouterr().err
+
+    return run
+
+
+def test_everything_it_can_write(folder, fcn, bpy):
+    pytest.importorskip("matplotlib")
+    names = ["--out", "r.blend", "--curves", "r.obj", "--report", "r.json", "--figure", "r.png"]
+    code, said = fcn("in.obj", *names, "--edge-length", "0.1")
+    assert code == 0, said
+    assert sorted(os.listdir()) == ["in.obj", "r.blend", "r.json", "r.obj", "r.png"]
+    report = json.loads((folder / "r.json").read_text())
+    assert report["input"]["curves"] == len(report["inputs"]) == 5
+    assert report["input"]["edge_length"] == 0.1
+    assert [i["kind"] for i in report["inputs"]][:4] == ["template"] * 4
+    assert (folder / "r.obj").read_text().count("\nl ") == len(report["curves"]) >= 4
+    assert (folder / "r.png").read_bytes().startswith(b"\x89PNG")
+    assert "5 curves" in said and "edge length 0.1 (as given)" in said and "wrote r.blend" in said
+    bpy.ops.wm.open_mainfile(filepath=str(folder / "r.blend"))
+    assert [c.name for c in bpy.context.scene.collection.children] == ["FCN in"]
+
+
+def test_a_blend_file_in_gives_what_its_curves_give(folder, fcn, bpy):
+    assert fcn("in.obj", "--out", "a.blend", "--report", "a.json", "--edge-length", "0.1", "--quiet") == (0, "")
+    for chosen in (["--object", "Input"], ["--collection", "Input"], ["--object", "Input", "--collection", "Input"]):
+        code, said = fcn("a.blend", *chosen, "--report", "b.json", "--edge-length", "0.1", "--quiet")
+        assert code == 0, said
+        a, b = (json.loads((folder / name).read_text()) for name in ("a.json", "b.json"))
+        assert [i["kind"] for i in a["inputs"]] == [i["kind"] for i in b["inputs"]]
+        assert len(a["curves"]) == len(b["curves"])
+
+
+def test_parameters_by_name_with_either_sign(folder, fcn):
+    for name in ("--delta-l", "--delta_l"):
+        code, said = fcn(
+            "in.obj", "--report", "r.json", "--edge-length", "0.1", name, "4", "--l0", "20", "--threads", "1"
+        )
+        assert code == 0, said
+        parameters = json.loads((folder / "r.json").read_text())["parameters"]
+        assert (parameters["delta_l"], parameters["l0"], parameters["threads"]) == (4, 20, 1)
+
+
+def test_edge_length_of_a_surface_and_of_the_curves(folder, fcn):
+    (folder / "scan.obj").write_text("v 0 0 0\nv .1 0 0\nv 0 .1 0\nf 1 2 3\n")
+    code, said = fcn("in.obj", "--surface", "scan.obj")
+    assert code == 0 and f"edge length {(0.2 + 0.02**0.5) / 3:.4g} (mean edge of scan.obj)" in said
+    code, said = fcn("in.obj")
+    assert code == 0 and "estimated from the curves" in said
+
+
+def test_help_explains_every_parameter_with_its_unit(part, capsys):
+    fields = dataclasses.fields(part("core.parameters").Parameters)
+    assert part("fcn_addon.command_line").main(["--help"]) == 0
+    text = " ".join(capsys.readouterr().out.split())
+    for f in fields:
+        assert f"--{f.name.replace('_', '-')} " in text
+        assert " ".join(f.metadata["help"].split()[:4]) in text
+    assert "[edge lengths, default 25]" in text
+
+
+CASES = [
+    ([], "INPUT"),
+    (["no.obj"], "no.obj: no such file"),
+    (["no.blend"], "no.blend: no such file"),
+    (["bad.blend"], "bad.blend: Blender cannot open it"),
+    (["empty.obj"], "empty.obj: the file is empty"),
+    (["cut.obj"], "cut.obj: line 2: index 9 has no point"),
+    (["garbage.obj"], "garbage.obj: this is binary data"),
+    (["garbage.ply"], "garbage.ply: no PLY header"),
+    (["garbage.txt"], "garbage.txt: this is binary data"),
+    (["nan.obj"], "nan.obj: line 2: 'nan' is not finite"),
+    (["in.stl"], "curves cannot be read from a .stl file"),
+    (["in.obj", "--l0", "x"], "--l0: 'x' is not a number"),
+    (["in.obj", "--l0", "1"], "l0 is 1.0: give a number of at least 4 (edge lengths)"),
+    (["in.obj", "--l0", "nan"], "l0 is nan"),
+    (["in.obj", "--threads", "1.5"], "--threads: '1.5' is not a whole number"),
+    (["in.obj", "--s", "3"], "t must not be below s"),
+    (["in.obj", "--edge-length", "0"], "0 is no length"),
+    (["in.obj", "--edge-length=-1"], "-1 is no length"),
+    (["in.obj", "--edge-length", "1", "--surface", "in.obj"], "not allowed with"),
+    (["in.obj", "--surface", "in.obj"], "in.obj: no faces"),
+    (["in.obj", "--bogus"], "unrecognized arguments: --bogus"),
+    (["in.obj", "--object", "X"], "choose from a .blend"),
+    (["in.obj", "--out", "r.obj"], "r.obj: --out writes a .blend file"),
+    (["in.obj", "--report", "no/r.json"], "no/r.json: cannot be written (No such file or directory)"),
+    (["in.obj", "--report", "dir.json"], "dir.json: cannot be written, it is a folder"),
+    (["in.obj", "--curves", "in.obj"], "in.obj: this is also an input"),
+    (["in.obj", "--report", "r.json", "--figure", "r.json"], "r.json: two outputs have this name"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "message"), CASES, ids=[" ".join(c[0]) or "nothing" for c in CASES])
+def test_wrong_input_is_one_line_exit_code_2_and_no_file(folder, fcn, arguments, message):
+    (folder / "empty.obj").write_text("")
+    (folder / "cut.obj").write_text("v 0 0 0\nl 1 9\n")
+    (folder / "nan.obj").write_text("v 0 0 0\nv nan 0 0\nl 1 2\n")
+    (folder / "dir.json").mkdir()
+    garbage = np.random.default_rng(0).bytes(3000) + b"\0"
+    for name in ("garbage.obj", "garbage.ply", "garbage.txt", "bad.blend"):
+        (folder / name).write_bytes(garbage)
+    before = sorted(os.listdir())
+    code, said = fcn(*arguments)
+    assert code == 2
+    assert said.startswith("error: ") and said.count("\n") == 1
+    assert message in said
+    assert sorted(os.listdir()) == before
+
+
+def test_names_that_a_blend_file_does_not_have(folder, fcn, bpy):
+    bpy.ops.wm.save_as_mainfile(filepath=str(folder / "a.blend"), copy=True)
+    for arguments, message in [
+        (["--object", "Q"], "a.blend: no object 'Q'"),
+        (["--collection", "Q"], "a.blend: no collection 'Q'"),
+        ([], "a.blend: no edge mesh or curve object"),
+    ]:
+        code, said = fcn("a.blend", *arguments)
+        assert (code, said.count("\n")) == (2, 1) and message in said
+
+
+def test_an_earlier_result_stays_when_the_run_fails(folder, fcn):
+    (folder / "r.json").write_text("earlier")
+    (folder / "bad.obj").write_text("v 0 0 0\nl 1 9\n")
+    assert fcn("bad.obj", "--report", "r.json")[0] == 2
+    assert (folder / "r.json").read_text() == "earlier"
+
+
+def test_a_folder_that_may_not_be_written(folder, fcn):
+    if os.geteuid() == 0:
+        pytest.skip("root may write everywhere")
+    (folder / "locked").mkdir(mode=0o500)
+    code, said = fcn("in.obj", "--report", "locked/r.json")
+    assert code == 2 and "Permission denied" in said
+
+
+def test_ctrl_c_stops_with_130_and_no_file(folder, fcn, part, monkeypatch):
+    terminal, seen = part("fcn_addon.terminal").Terminal, []
+
+    def press(self, stage, fraction):
+        seen.append(sorted(p.name for p in folder.iterdir()))
+        os.kill(os.getpid(), signal.SIGINT)
+
+    monkeypatch.setattr(terminal, "progress", press)
+    before = signal.getsignal(signal.SIGINT)
+    code, said = fcn("in.obj", "--report", "r.json", "--quiet")
+    assert (code, said) == (130, "error: stopped, nothing was written\n")
+    assert seen == [[f".r.{os.getpid()}.part.json", "in.obj"]]  # it was on its way
+    assert os.listdir() == ["in.obj"]
+    assert signal.getsignal(signal.SIGINT) is before
+
+
+class Clock:
+    def __init__(self):
+        self.now = 0.0
+
+    def __call__(self):
+        return self.now
+
+
+def test_progress_in_a_log_is_a_line_a_tenth_with_the_time_left(part):
+    clock, stream = Clock(), io.StringIO()
+    terminal = part("fcn_addon.terminal").Terminal(stream=stream, clock=clock)
+    for i in range(101):
+        clock.now = i * 1.0
+        terminal.progress("blast", i / 100)
+    lines = stream.getvalue().splitlines()
+    assert len(lines) == 11
+    assert lines[2].split() == ["blast", "20%", "1", "min", "20", "s", "left"]
+    assert lines[-1].split() == ["blast", "100%", "1", "min", "40", "s"]
+
+
+def test_quiet_says_errors_only(part):
+    stream = io.StringIO()
+    terminal = part("fcn_addon.terminal").Terminal(quiet=True, stream=stream)
+    terminal.say("a")
+    terminal.progress("blast", 0.5)
+    terminal.error("b\nc")
+    assert stream.getvalue() == "error: b c\n"
+
+
+def test_a_disk_that_is_full_is_no_fault_of_the_program(folder, part):
+    outputs, error = part("fcn_addon.outputs").Outputs, part("core.errors").InputError
+    with pytest.raises(error, match=r"r.json: cannot be written \(No space left on device\)"):
+        with outputs(["r.json"]) as names:
+            with open("/dev/full" if sys.platform == "linux" else names.part("r.json"), "w") as file:
+                if sys.platform != "linux":
+                    raise OSError(28, "No space left on device")
+                file.write("x" * 100000)
+    assert os.listdir() == ["in.obj"]
