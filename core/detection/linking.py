@@ -9,14 +9,17 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from .chains import Chains
+from .extremality import fold_angle
 from .lines import Lines
 from .surface import Surface
 from .tensor import Curvature
-from .extremality import fold_angle
 
 _REACH = 3.0
 """Length in edges over which the direction of a piece at its end is taken: a single segment of a
 line traced across faces points anywhere."""
+
+_CLEARANCE = 0.75
+"""A bridge that comes nearer than this many edges to a third piece crosses it."""
 
 _NEAR = 1.0
 """Ends nearer than this many edges continue each other whatever the direction from one to the other."""
@@ -116,10 +119,10 @@ def linked(lines: Lines, surface: Surface, curvature: Curvature, *, gap: float, 
     pairs = best_pairs(pairs, cost, len(ends.node))
     if not len(pairs):
         return lines
-    return _bridged(lines, surface, curvature, ends, pairs)
+    return _bridged(lines, pieces, surface, curvature, ends, pairs)
 
 
-def _bridged(lines, surface, curvature, ends, pairs) -> Lines:
+def _bridged(lines, pieces, surface, curvature, ends, pairs) -> Lines:
     """Points about every edge length along a cubic between the two ends, brought onto the surface."""
     h = surface.mesh.edge_length
     a, b = pairs.T
@@ -136,9 +139,10 @@ def _bridged(lines, surface, curvature, ends, pairs) -> Lines:
         face, weight, off = surface.closest(wanted)
     else:
         face, weight, off = np.zeros(0, np.int64), np.zeros((0, 3)), np.zeros(0)
-    # a bridge through the air is none
+    # a bridge through the air is none, and one across another line takes the wrong turn at a junction
     good = np.ones(len(pairs), bool)
     good[link[off > 1.5 * h]] = False
+    good[link[_crosses(lines, pieces, wanted, ends.chain[pairs][link], _CLEARANCE * h)]] = False
     corner = mesh.faces[face]
 
     def mix(values):
@@ -157,3 +161,15 @@ def _bridged(lines, surface, curvature, ends, pairs) -> Lines:
         ]
     )
     return lines.extended(mix(mesh.vertices), mix(curvature.normals), strength, fold, segments)
+
+
+def _crosses(lines, pieces, points, own, clearance) -> np.ndarray:
+    """(k,) bool, points within `clearance` of a piece that is neither of the two `own` (k, 2)."""
+    if not len(points):
+        return np.zeros(0, bool)
+    tree = cKDTree(lines.points[pieces.nodes])
+    # the nearest nodes can all be of the own pieces only near their ends, where nothing is crossed yet
+    distance, at = tree.query(points, min(4, len(pieces.nodes)))
+    distance, at = distance.reshape(len(points), -1), at.reshape(len(points), -1)
+    other = (pieces.label[at][:, :, None] != own[:, None, :]).all(axis=2)
+    return (other & (distance <= clearance)).any(axis=1)

@@ -22,14 +22,14 @@ class DetectionParameters:
     Each field's metadata holds ``unit``, ``help`` (plain words) and the inclusive bounds ``low`` and ``high``.
     """
 
-    detail: float = _value(1.5, EDGES, "smoothing scale: features finer than this are taken for noise", 0.0, 20)
-    strong_fold: float = _value(20.0, DEGREES, "a curve must somewhere be as sharp as a fold by this angle", 0, 180)
-    weak_fold: float = _value(8.0, DEGREES, "a curve goes on while it is as sharp as a fold by this angle", 0, 180)
+    detail: float = _value(1.0, EDGES, "smoothing scale: features finer than this are taken for noise", 0.0, 20)
+    strong_fold: float = _value(15.0, DEGREES, "a curve must somewhere be as sharp as a fold by this angle", 0, 180)
+    weak_fold: float = _value(6.0, DEGREES, "a curve goes on while it is as sharp as a fold by this angle", 0, 180)
     strong_length: float = _value(3.0, EDGES, "length over which a curve must be strong", 0, 1000)
-    min_length: float = _value(5.0, EDGES, "shortest curve that is kept", 0, 10000)
-    bridge: float = _value(3.0, EDGES, "longest faint stretch between two clear ones that stays", 0, 100)
-    gap: float = _value(4.0, EDGES, "longest gap over which pieces that continue each other are joined", 0, 100)
-    turn: float = _value(40.0, DEGREES, "largest turn from a piece into the gap and out of it", 0, 90)
+    min_length: float = _value(8.0, EDGES, "shortest curve that is kept", 0, 10000)
+    bridge: float = _value(5.0, EDGES, "longest faint stretch between two clear ones that stays", 0, 100)
+    gap: float = _value(8.0, EDGES, "longest gap over which pieces that continue each other are joined", 0, 100)
+    turn: float = _value(50.0, DEGREES, "largest turn from a piece into the gap and out of it", 0, 90)
     merge: float = _value(1.0, EDGES, "lines of one kind that run beside each other within this are one", 0, 10)
     margin: float = _value(1.0, EDGES, "crest lines nearer than this to an open boundary are left out", 0, 100)
     sharp_angle: float = _value(35.0, DEGREES, "a sharp edge bends the surface by at least this angle", 1, 179)
@@ -44,6 +44,6 @@ class DetectionParameters:
                 raise InputError(f"{f.name} is {value!r}: give a number {span} ({f.metadata['unit']})")
         if self.weak_fold > self.strong_fold:
             raise InputError(
-                f"weak_fold is {self.weak_fold:g} and strong_fold is {self.strong_fold:g}: weak must not be above strong"
+                f"weak_fold is {self.weak_fold:g} and strong_fold is {self.strong_fold:g}: weak_fold must not be above it"
             )
         return self

@@ -58,7 +58,7 @@ class Diffusion:
         local = length / (np.bincount(i, minlength=n) + np.bincount(j, minlength=n))
         return cls(laplacian.tocsr(), mass, local)
 
-    def width(self, scale: float, least: float = 1.0) -> np.ndarray:
+    def width(self, scale: float, least: float = 0.3) -> np.ndarray:
         """(n,) float64, the standard deviation used at each vertex: `scale`, or `least` local edges if longer."""
         return np.maximum(scale, least * self.local)
 

@@ -255,13 +255,13 @@ def vertex_derivatives(derivatives, shape: FaceShape, mesh: TriangleMesh) -> np.
     p, q, r, s = derivatives.T
     u, v = shape.u, shape.v
     world = np.empty((len(u), 10))
-    for k, (i, j, l) in enumerate(_CUBIC):
-        ui, uj, ul, vi, vj, vl = u[:, i], u[:, j], u[:, l], v[:, i], v[:, j], v[:, l]
+    for k, (a, b, c) in enumerate(_CUBIC):
+        ua, ub, uc, va, vb, vc = u[:, a], u[:, b], u[:, c], v[:, a], v[:, b], v[:, c]
         world[:, k] = (
-            p * ui * uj * ul
-            + q * (ui * uj * vl + ui * vj * ul + vi * uj * ul)
-            + r * (ui * vj * vl + vi * uj * vl + vi * vj * ul)
-            + s * vi * vj * vl
+            p * ua * ub * uc
+            + q * (ua * ub * vc + ua * vb * uc + va * ub * uc)
+            + r * (ua * vb * vc + va * ub * vc + va * vb * uc)
+            + s * va * vb * vc
         )
     weight = shape.weight[:, :1]
     return (mesh.incidence @ (world * weight)) / np.maximum(mesh.incidence @ weight, _TINY)
@@ -270,4 +270,4 @@ def vertex_derivatives(derivatives, shape: FaceShape, mesh: TriangleMesh) -> np.
 def cubic(form, direction) -> np.ndarray:
     """(n,) float64, the cubic form (n, 10) applied three times to a direction (n, 3)."""
     t = direction.T
-    return sum(n * form[:, k] * t[i] * t[j] * t[l] for k, ((i, j, l), n) in enumerate(zip(_CUBIC, _TIMES)))
+    return sum(n * form[:, k] * t[a] * t[b] * t[c] for k, ((a, b, c), n) in enumerate(zip(_CUBIC, _TIMES)))

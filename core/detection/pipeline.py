@@ -21,6 +21,8 @@ from .surface import Surface
 from .tensor import Curvature, curvature
 from .values import BOUNDARY, RIDGE, SHARP, VALLEY, FeatureCurves
 
+DEFAULTS = DetectionParameters()
+
 _ITERATIONS = 60
 """About how often smoothing calls back at the default detail; only the progress shown depends on it."""
 
@@ -33,7 +35,7 @@ def detect(
     valleys: bool = True,
     sharp: bool = False,
     boundary: bool = False,
-    parameters: DetectionParameters = DetectionParameters(),
+    parameters: DetectionParameters = DEFAULTS,
     field: Curvature | None = None,
     progress=None,
 ) -> FeatureCurves:
@@ -80,7 +82,7 @@ def detect(
     return _collected(found, stages, mesh)
 
 
-def measure(mesh: TriangleMesh, *, parameters: DetectionParameters = DetectionParameters(), progress=None) -> Curvature:
+def measure(mesh: TriangleMesh, *, parameters: DetectionParameters = DEFAULTS, progress=None) -> Curvature:
     """The smoothed curvature of a mesh at `parameters.detail`, most of the work of `detect`."""
     done = 0
 
@@ -111,7 +113,8 @@ def _lines(kind, mesh, field, surface, parameters, tick) -> Lines:
     lines = lines.with_segments(clear_segments(lines.segments, lines.points, clear, parameters.bridge * h))
     lines = without_doubles(lines, parameters.merge * h)
     tick(0.4)
-    lines = linked(lines, surface, field, gap=parameters.gap * h, turn=np.radians(parameters.turn))
+    for _ in range(2):  # what was short before the first round may be long enough for a wider gap in the second
+        lines = linked(lines, surface, field, gap=parameters.gap * h, turn=np.radians(parameters.turn))
     tick(0.7)
     lines = without_spurs(lines, parameters.min_length * h)
     return _strong(lines, parameters, h)
@@ -133,11 +136,11 @@ def _collected(found, kinds, mesh) -> FeatureCurves:
     """Every chain of every kind as one curve, longest first."""
     parts = [(kind, lines, lines.chains()) for kind, lines in zip(kinds, found)]
     kind = np.concatenate([np.full(len(c), k) for k, _, c in parts]).astype(np.int64)
-    length = np.concatenate([c.lengths(l.points) for _, l, c in parts])
-    points = np.concatenate([l.points[c.nodes] for _, l, c in parts])
-    strength = np.concatenate([l.strength[c.nodes] for _, l, c in parts])
-    mean_strength = np.concatenate([_mean(c, l, l.strength) for _, l, c in parts])
-    mean_fold = np.degrees(np.concatenate([_mean(c, l, l.fold) for _, l, c in parts]))
+    length = np.concatenate([c.lengths(x.points) for _, x, c in parts])
+    points = np.concatenate([x.points[c.nodes] for _, x, c in parts])
+    strength = np.concatenate([x.strength[c.nodes] for _, x, c in parts])
+    mean_strength = np.concatenate([_mean(c, x, x.strength) for _, x, c in parts])
+    mean_fold = np.degrees(np.concatenate([_mean(c, x, x.fold) for _, x, c in parts]))
     sizes = np.concatenate([np.diff(c.offsets) for _, _, c in parts])
     closed = np.concatenate([c.closed for _, _, c in parts])
     offsets = np.r_[0, np.cumsum(sizes)].astype(np.int64)
