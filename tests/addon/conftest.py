@@ -24,7 +24,8 @@ os.environ["BLENDER_USER_RESOURCES"] = _resources
 @pytest.fixture(scope="session", autouse=True)
 def extension():
     """The name of the enabled extension's root package."""
-    pytest.importorskip("bpy", reason="these tests need Blender as a module (pip install bpy)")
+    reason = "these tests need Blender as a module (pip install bpy) and the libraries that it links to"
+    pytest.importorskip("bpy", reason=reason, exc_type=ImportError)
     import addon_utils
 
     home = Path(_resources) / "extensions" / "user_default"
