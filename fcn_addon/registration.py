@@ -6,7 +6,7 @@ from __future__ import annotations
 from importlib import import_module
 
 # Each has register() and unregister(); the order is that of the imports.
-ROOMS = ("fcn_addon.command", "operators", "ui")
+ROOMS = ("fcn_addon.command", "fcn_addon.properties", "operators", "ui", "fcn_addon.handlers")
 
 _registered = []  # what Blender holds of ours at the moment, and nothing else
 

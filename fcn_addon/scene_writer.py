@@ -7,6 +7,9 @@ FCN <source>
     Components          per component the same objects again, and the input pieces that show it; those are hidden
     Strong              an object per strong single curve
     Noise               the rest of the input; hidden
+
+Users may rename all of it, so each collection also says what it is in custom properties: its role, the
+transformation or the component that it is of.
 """
 
 from __future__ import annotations
@@ -16,6 +19,7 @@ import numpy as np
 
 from ..core.report import moved
 from . import colours
+from .views import ROLE
 from .wording import plain_length, titles
 
 
@@ -67,13 +71,13 @@ class _Writer:
 
     def write(self, source, length):
         root = self._collection(f"FCN {source}"[:63])
-        self._input(self._collection("Input", root, hidden=True))
-        templates = self._collection("Templates", root)
-        components = self._collection("Components", root)
+        self._input(self._role("Input", root, hidden=True))
+        templates = self._role("Templates", root)
+        components = self._role("Components", root)
         self._templates(templates, titles(self.completion.transformations, length))
         self._components(components)
-        self._strong(self._collection("Strong", root))
-        noise = self._collection("Noise", root, hidden=True)
+        self._strong(self._role("Strong", root))
+        noise = self._role("Noise", root, hidden=True)
         pieces = np.flatnonzero(self.completion.inputs.kind == "noise")
         if len(pieces):
             self._pieces("Noise", pieces, noise, colours.NOISE)
@@ -87,6 +91,11 @@ class _Writer:
             parent.children.link(collection)
         return collection
 
+    def _role(self, name, root, hidden=False):
+        collection = self._collection(name, root, hidden)
+        collection[ROLE] = name.lower()
+        return collection
+
     def _object(self, name, data, collection, colour=None):
         made = bpy.data.objects.new(name, data)
         self.made.append(made)
@@ -97,37 +106,29 @@ class _Writer:
 
     def _curve(self, name, polylines, closed):
         """Curve data with a poly spline each; without bevel."""
-        data = bpy.data.curves.new(name, "CURVE")
+        data = curve_data(name, polylines, closed)
         self.made.append(data)
-        data.dimensions = "3D"
-        for points, loop in zip(polylines, closed):
-            spline = data.splines.new("POLY")
-            spline.points.add(len(points) - 1)
-            spline.points.foreach_set("co", np.c_[points, np.ones(len(points))].astype(np.float32).ravel())
-            spline.use_cyclic_u = bool(loop)
         return data
 
     def _input(self, collection):
         """The input as one edge mesh, about its own centre, so that float32 holds it far from the origin too."""
         curves = self.curves
         centre = _centre(curves.points)
-        mesh = bpy.data.meshes.new("Input")
+        mesh = mesh_data("Input", curves, curves.points - centre)
         self.made.append(mesh)
-        edges = _edges(curves)
-        mesh.vertices.add(len(curves.points))
-        mesh.vertices.foreach_set("co", (curves.points - centre).astype(np.float32).ravel())
-        mesh.edges.add(len(edges))
-        mesh.edges.foreach_set("vertices", edges.astype(np.int32).ravel())
-        owner = np.repeat(curves.source, np.diff(curves.offsets)).astype(np.int32)
-        mesh.attributes.new("source", "INT", "POINT").data.foreach_set("value", owner)
+        size = np.diff(curves.offsets)
+        for name, labels in (("source", curves.source), ("component", self.completion.inputs.component)):
+            owner = np.repeat(labels, size).astype(np.int32)
+            mesh.attributes.new(name, "INT", "POINT").data.foreach_set("value", owner)
         if curves.strength is not None:
             strength = curves.strength.astype(np.float32)
             mesh.attributes.new("curvature", "FLOAT", "POINT").data.foreach_set("value", strength)
-        mesh.update()
         _place(self._object("Input", mesh, collection, colours.NOISE), centre)
 
     def _templates(self, collection, named):
         homes = {id: self._collection(title[:63], collection) for id, title in named.items()}
+        for id, home in homes.items():
+            home["transformation"] = int(id)
         for template in self.completion.templates:
             home = homes[template.transformation]
             # The empties stand in the middle of what they hold; the template's space may be far from it.
@@ -158,6 +159,7 @@ class _Writer:
         shown = self.completion.inputs.component
         for label in sorted({*self.components, *(int(c) for c in np.unique(shown) if c >= 0)}):
             home = self._collection(f"Component {label}", collection)
+            home["component"] = label
             for part in self.components.get(label, ()):
                 home.objects.link(part)
             pieces = np.flatnonzero(shown == label)
@@ -190,6 +192,30 @@ def _place(item, centre):
     matrix = np.eye(4)
     matrix[3, :3] = centre
     item.matrix_world = matrix.tolist()
+
+
+def curve_data(name, polylines, closed):
+    """Curve data with a poly spline each; without bevel."""
+    data = bpy.data.curves.new(name, "CURVE")
+    data.dimensions = "3D"
+    for points, loop in zip(polylines, closed):
+        spline = data.splines.new("POLY")
+        spline.points.add(len(points) - 1)
+        spline.points.foreach_set("co", np.c_[points, np.ones(len(points))].astype(np.float32).ravel())
+        spline.use_cyclic_u = bool(loop)
+    return data
+
+
+def mesh_data(name, curves, points):
+    """A mesh of the edges of curves, with these (n, 3) points in place of their own."""
+    mesh = bpy.data.meshes.new(name)
+    edges = _edges(curves)
+    mesh.vertices.add(len(points))
+    mesh.vertices.foreach_set("co", points.astype(np.float32).ravel())
+    mesh.edges.add(len(edges))
+    mesh.edges.foreach_set("vertices", edges.astype(np.int32).ravel())
+    mesh.update()
+    return mesh
 
 
 def _centre(points) -> np.ndarray:

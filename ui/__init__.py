@@ -3,16 +3,45 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import bpy
 
-CLASSES = ()
+from . import menu
+from .complete_panel import FCN_PT_advanced, FCN_PT_complete, FCN_PT_parameters
+from .presets_panel import FCN_PT_presets
+from .result_panel import FCN_PT_occurrence, FCN_PT_result, FCN_UL_transformations
+
+CLASSES = (
+    FCN_PT_presets,
+    FCN_PT_complete,
+    FCN_PT_parameters,
+    FCN_PT_advanced,
+    FCN_UL_transformations,
+    FCN_PT_result,
+    FCN_PT_occurrence,
+    menu.FCN_MT_object,
+)
+HERE = str(Path(__file__).resolve().parent)  # Blender looks for presets/fcn_addon in it
 
 
 def register():
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
+    done = []
+    try:
+        for cls in CLASSES:
+            bpy.utils.register_class(cls)
+            done.append(cls)
+        menu.register()
+        bpy.utils.register_preset_path(HERE)
+    except BaseException:
+        menu.unregister()
+        for cls in reversed(done):
+            bpy.utils.unregister_class(cls)
+        raise
 
 
 def unregister():
+    bpy.utils.unregister_preset_path(HERE)
+    menu.unregister()
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)

@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What must be done when Blender loads a file or the add-on goes."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.app.handlers import persistent
+
+from . import session, summary
+
+
+@persistent
+def _before_load(*_):
+    session.end()
+    summary.stop()
+
+
+@persistent
+def _after_load(*_):
+    summary.changed()
+
+
+@persistent
+def _after_update(scene, depsgraph):
+    summary.watch(scene, depsgraph)
+
+
+HANDLERS = (("load_pre", _before_load), ("load_post", _after_load), ("depsgraph_update_post", _after_update))
+
+
+def register():
+    for name, function in HANDLERS:
+        getattr(bpy.app.handlers, name).append(function)
+    summary.changed()
+
+
+def unregister():
+    session.end()
+    summary.stop()
+    for name, function in HANDLERS:
+        kept = getattr(bpy.app.handlers, name)
+        if function in kept:
+            kept.remove(function)

@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From the progress of single stages to that of the whole run and the time left."""
+
+from __future__ import annotations
+
+from ..core.report import STAGES
+
+# Share of the whole time that each stage takes, measured on the scenes of benchmarks/.
+SHARES = {"blast": 0.15, "voting": 0.05, "clustering": 0.25, "orbits": 0.25, "selection": 0.05, "completion": 0.25}
+LABELS = {
+    "blast": "Matching curves",
+    "voting": "Voting",
+    "clustering": "Clustering transformations",
+    "orbits": "Finding orbits",
+    "selection": "Selecting the model",
+    "completion": "Completing curves",
+}
+
+
+class Progress:
+    """How far a run is.
+
+    estimate : seconds that the run is thought to take, before anything is known
+    now : seconds of some clock
+    """
+
+    def __init__(self, estimate, now):
+        self.stage = ""
+        self.fraction = 0.0
+        self._estimate = estimate
+        self._began = self._at = now
+
+    def update(self, stage, fraction, now):
+        """Take in what a stage says; the whole never goes back."""
+        before = sum(SHARES[s] for s in STAGES[: STAGES.index(stage)]) if stage in SHARES else self.fraction
+        done = before + SHARES.get(stage, 0.0) * min(max(fraction, 0.0), 1.0)
+        self.stage = stage
+        self.fraction = min(max(self.fraction, done), 1.0)
+        self._at = now
+
+    def left(self, now) -> float:
+        """Seconds that it will still take: the estimate at first, more and more what is measured."""
+        elapsed = now - self._began
+        trust = self.fraction
+        if trust <= 0:
+            return max(self._estimate - elapsed, 0.0)
+        since = now - self._at
+        measured = (elapsed - since) * (1 - trust) / trust - since
+        weight = min(1.0, 3 * trust)
+        return max(weight * measured + (1 - weight) * (self._estimate - elapsed), 0.0)
+
+    @property
+    def label(self) -> str:
+        """The stage in words."""
+        return LABELS.get(self.stage, self.stage.capitalize() or "Starting")

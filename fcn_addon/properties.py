@@ -1,0 +1,191 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The settings of a run: properties of the scene, saved in the .blend."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from math import degrees, inf, radians
+
+import bpy
+from bpy.props import (
+    EnumProperty,
+    FloatProperty,
+    IntProperty,
+    PointerProperty,
+)
+from bpy.types import PropertyGroup
+
+from ..core.parameters import COUNT, DEGREES, EDGES, Parameters
+from . import results, summary
+
+LABELS = {
+    "l0": "Shortest Match",
+    "s": "Match Distance",
+    "t": "Extended Distance",
+    "delta_l": "Extension Step",
+    "strong_curvature": "Strong Curvature",
+    "bin_translation": "Bin Size",
+    "bin_rotation": "Bin Angle",
+    "cluster_translation": "Cluster Distance",
+    "cluster_rotation": "Cluster Angle",
+    "bayes_ratio": "Bayes Ratio",
+    "keep_length": "Keep Length",
+    "keep_curvature": "Keep Curvature",
+    "smoothing": "Smoothing",
+    "link_gap": "Largest Gap",
+    "epsilon": "Feature Radius",
+    "block": "Block Size",
+    "threads": "Threads",
+}
+BASIC = ("smoothing", "l0", "s", "link_gap", "epsilon")  # what a user changes first; the rest is in a sub-panel
+
+
+def _label(name):
+    return LABELS.get(name, name.replace("_", " ").title())
+
+
+def _help(field):
+    text = field.metadata["help"]
+    return text[:1].upper() + text[1:]
+
+
+def _property(field):
+    """A property with the default, the bounds and the words of a parameter."""
+    low, high = field.metadata["low"], field.metadata["high"]
+    common = {"name": _label(field.name), "description": _help(field), "update": summary.update}
+    if field.metadata["unit"] == COUNT:
+        high = {} if high == inf else {"max": int(high)}
+        return IntProperty(default=int(field.default), min=int(low), **high, **common)
+    if field.metadata["unit"] == DEGREES:
+        low, high, default = radians(low), radians(high), radians(field.default)
+        return FloatProperty(default=default, min=low, max=high, subtype="ANGLE", precision=2, step=10, **common)
+    high = {} if high == inf else {"max": high}
+    return FloatProperty(default=field.default, min=low, **high, precision=2, step=10, **common)
+
+
+FCN_PG_parameters = type(
+    "FCN_PG_parameters",
+    (PropertyGroup,),
+    {
+        "__doc__": "The parameters of the method, made from `Parameters`.",
+        "__annotations__": {field.name: _property(field) for field in fields(Parameters)},
+    },
+)
+
+
+def in_edges() -> set[str]:
+    """Names of the parameters that are multiples of the edge length."""
+    return {field.name for field in fields(Parameters) if field.metadata["unit"] == EDGES}
+
+
+def parameters(group) -> Parameters:
+    """The validated parameters of the method from their properties.
+
+    Properties hold float32; six digits take 1.5 degrees back to 1.5.
+    """
+    values = {}
+    for field in fields(Parameters):
+        value = getattr(group, field.name)
+        if field.metadata["unit"] == DEGREES:
+            value = degrees(value)
+        values[field.name] = int(value) if field.metadata["unit"] == COUNT else float(f"{value:.6g}")
+    return Parameters(**values).validate()
+
+
+def set_parameters(group, values):
+    """Write a `Parameters` to its properties."""
+    for field in fields(Parameters):
+        value = getattr(values, field.name)
+        setattr(group, field.name, radians(value) if field.metadata["unit"] == DEGREES else value)
+
+
+def _has_faces(_, item):
+    return item.type == "MESH" and len(item.data.polygons) > 0
+
+
+class FCN_PG_settings(PropertyGroup):
+    """What to complete and how."""
+
+    source: EnumProperty(
+        name="Curves",
+        description="Where the curves to complete come from",
+        items=(
+            ("SELECTION", "Selection", "The selected edge meshes and curve objects"),
+            ("COLLECTION", "Collection", "All edge meshes and curve objects of a collection and of those inside it"),
+        ),
+        update=summary.update,
+    )
+    collection: PointerProperty(
+        type=bpy.types.Collection,
+        name="Collection",
+        description="The collection that holds the curves",
+        poll=lambda _, item: not item.fcn_result.is_result,
+        update=summary.update,
+    )
+    edge_length_from: EnumProperty(
+        name="Edge Length",
+        description="The mean edge length of the scan that the curves come from. All sizes are multiples of it",
+        items=(
+            ("ESTIMATE", "Estimate", "Estimate it from the curves: right where they run along the edges of the scan"),
+            ("SCAN", "From Scan", "Measure it on the scan that the curves come from"),
+            ("VALUE", "Value", "Type it in"),
+        ),
+        update=summary.update,
+    )
+    scan: PointerProperty(
+        type=bpy.types.Object,
+        name="Scan",
+        description="The mesh that the curves come from; only its mean edge length is taken",
+        poll=_has_faces,
+        update=summary.update,
+    )
+    edge_length: FloatProperty(
+        name="Edge Length",
+        description="Mean edge length of the scan that the curves come from",
+        subtype="DISTANCE",
+        default=0.02,
+        min=1e-6,
+        soft_max=1.0,
+        precision=4,
+        step=0.1,
+        update=summary.update,
+    )
+    earlier: EnumProperty(
+        name="Earlier Result",
+        description="What happens to the result that an earlier run made of the same curves",
+        items=(
+            ("REPLACE", "Replace", "Remove it when the new one is there"),
+            ("KEEP", "Keep", "Leave it and put the new one beside it"),
+        ),
+    )
+    result: PointerProperty(
+        type=bpy.types.Collection,
+        name="Result",
+        description="The result that the panel is about",
+        poll=lambda _, item: item.fcn_result.is_result,
+    )
+    parameters: PointerProperty(type=FCN_PG_parameters)
+
+
+CLASSES = (FCN_PG_parameters, results.FCN_PG_transformation, results.FCN_PG_result, FCN_PG_settings)
+
+
+def register():
+    done = []
+    try:
+        for cls in CLASSES:
+            bpy.utils.register_class(cls)
+            done.append(cls)
+    except BaseException:
+        for cls in reversed(done):
+            bpy.utils.unregister_class(cls)
+        raise
+    bpy.types.Collection.fcn_result = PointerProperty(type=results.FCN_PG_result)
+    bpy.types.Scene.fcn = PointerProperty(type=FCN_PG_settings)
+
+
+def unregister():
+    del bpy.types.Scene.fcn
+    del bpy.types.Collection.fcn_result
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The one run that may be under way: it begins from the scene, is watched, and ends with a result in the scene."""
+
+from __future__ import annotations
+
+import time
+import traceback
+from dataclasses import dataclass, field
+
+import bpy
+
+from ..core.errors import Cancelled, InputError
+from . import progress, results, scene_writer, sources, summary, views
+from .job import Job
+
+PATIENCE = 5.0  # seconds to wait for a thread that was asked to stop
+
+
+@dataclass
+class Run:
+    """A task at work.
+
+    timer : of the window, kept here so that whatever ends the run can remove it
+    """
+
+    task: sources.Task
+    job: Job
+    progress: progress.Progress
+    timer: object = None
+    shown: tuple = field(default=())
+
+
+_run = None
+
+
+def running() -> bool:
+    """Whether a run is under way."""
+    return _run is not None
+
+
+def current():
+    """The run that is under way, None if there is none."""
+    return _run
+
+
+def begin(context) -> Run:
+    """Take the task from the scene and start to work on it in a thread. Raises InputError."""
+    global _run
+    if _run is not None:
+        raise InputError("a run is under way; wait for it or cancel it")
+    task = sources.take(context)
+    seconds = summary.summarise(task.reading.curves, task.edge_length, task.parameters).seconds
+    _run = Run(task, Job(lambda report: _work(task, report)), progress.Progress(seconds, time.monotonic()))
+    _run.job.start()
+    return _run
+
+
+def run_now(context, report=None):
+    """The whole run at once, without a thread; the result's collection."""
+    task = sources.take(context)
+    return finish(context, task, _work(task, report or (lambda stage, fraction: None)))
+
+
+def _work(task, report):
+    """The method; this runs in the thread."""
+    try:
+        from ..core.pipeline import complete
+    except ModuleNotFoundError as error:
+        if (error.name or "").partition(".")[0] != "scipy":
+            raise
+        raise InputError("scipy is missing: install the extension's zip for this platform again") from None
+    return complete(task.reading.curves, edge_length=task.edge_length, parameters=task.parameters, progress=report)
+
+
+def tick() -> bool:
+    """Take in what the thread has said; whether what is shown has changed."""
+    now = time.monotonic()
+    news = _run.job.news()
+    if news is not None:
+        _run.progress.update(*news, now)
+    shown = (_run.job.stopping, _run.progress.label, round(_run.progress.fraction, 2), round(_run.progress.left(now)))
+    changed, _run.shown = shown != _run.shown, shown
+    return changed
+
+
+def outcome(run):
+    """The Completion of a run that has ended. Raises Cancelled or InputError."""
+    if run.job.stopped or run.job.stopping:
+        raise Cancelled
+    error = run.job.error
+    if isinstance(error, InputError):
+        raise error
+    if isinstance(error, MemoryError):
+        raise InputError("there is not enough memory for this; choose fewer curves or a longer edge length")
+    if error is not None:
+        traceback.print_exception(error)
+        raise InputError(f"a fault of the program: {error!r}; the console has the details")
+    return run.job.result
+
+
+def finish(context, task, completion):
+    """Put a completion into the scene; the result's collection.
+
+    Raises InputError where the source has gone. On any fault nothing is left behind.
+    """
+    gone = sources.missing(task)
+    if gone:
+        raise InputError(f"{gone} has gone while its curves were completed; the result is not used")
+    scene = task.scene.find(bpy.data.scenes)
+    earlier = [r for r in results.of_scene(scene) if task.replace and r.fcn_result.source == task.label]
+    length = scene_writer.unit_length(scene)
+    root = scene_writer.write(completion, task.reading.curves, source=task.label, scene=scene, length=length)
+    try:
+        results.describe(root, completion, task, length)
+        views.refresh(root)
+    except BaseException:
+        results.remove(root)
+        raise
+    for old in earlier:
+        results.remove(old)
+    root.name = f"FCN {task.label}"[:63]
+    scene.fcn.result = root
+    _hide(context, scene, task)
+    return root
+
+
+def _hide(context, scene, task):
+    """Hide the source, in the view layer only, and deselect it; the objects themselves are not changed."""
+    layer = context.view_layer if context.scene == scene else scene.view_layers[0]
+    for source in task.sources:
+        item = source.find(bpy.data.objects)
+        if item.name in layer.objects:
+            item.select_set(False, view_layer=layer)
+            item.hide_set(True, view_layer=layer)
+
+
+def cancel():
+    """Ask the run to stop; it ends within its next steps."""
+    if _run is not None:
+        _run.job.stop()
+
+
+def end(context=None):
+    """Forget the run: its thread is asked to stop and waited for, its timer removed. Harmless where there is none."""
+    global _run
+    run, _run = _run, None
+    if run is None:
+        return
+    if run.timer is not None:
+        timer, run.timer = run.timer, None
+        (context or bpy.context).window_manager.event_timer_remove(timer)
+    run.job.stop()
+    run.job.join(PATIENCE)

@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a run is about: the objects chosen in the scene, their curves and the edge length."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+
+from ..core.errors import InputError
+from ..core.files.network import Reading
+from ..core.parameters import Parameters
+from . import properties, scene_reader
+
+
+@dataclass(frozen=True)
+class Identity:
+    """A datablock by name and by the number that Blender gives it for a session; it survives renaming and undo."""
+
+    name: str
+    uid: int
+
+    @classmethod
+    def of(cls, item):
+        return cls(item.name, item.session_uid)
+
+    def find(self, items):
+        """The datablock, None if it has gone."""
+        item = items.get(self.name)
+        if item is not None and item.session_uid == self.uid:
+            return item
+        return next((item for item in items if item.session_uid == self.uid), None)
+
+
+@dataclass(frozen=True)
+class Task:
+    """All that a run needs, taken from the scene at once; nothing in it is Blender's.
+
+    owner : (reading.count,) int64, which of `sources` each input curve comes from
+    edge_length : scene units, None to estimate it
+    replace : remove the earlier result of the same curves
+    """
+
+    label: str
+    scene: Identity
+    sources: tuple[Identity, ...]
+    reading: Reading
+    owner: np.ndarray
+    edge_length: float | None
+    parameters: Parameters
+    replace: bool
+
+
+def take(context) -> Task:
+    """Read what the settings choose. Raises InputError where that cannot be used."""
+    settings = context.scene.fcn
+    why = why_not(context)
+    if why:
+        raise InputError(why)
+    objects = chosen(context)
+    depsgraph = context.evaluated_depsgraph_get()
+    read = scene_reader.read_objects(objects, depsgraph)
+    return Task(
+        label(context, objects),
+        Identity.of(context.scene),
+        tuple(Identity.of(item) for item in objects),
+        read.reading,
+        read.owner,
+        edge_length(context, depsgraph),
+        properties.parameters(settings.parameters),
+        settings.earlier == "REPLACE",
+    )
+
+
+def why_not(context) -> str | None:
+    """What is missing for a run, None if nothing is. Cheap: it is asked at every redraw."""
+    settings = context.scene.fcn
+    if context.mode != "OBJECT":
+        return "Leave the edit mode first"
+    if settings.source == "COLLECTION":
+        if settings.collection is None:
+            return "Choose the collection that holds the curves"
+        if not _any(settings.collection.all_objects):
+            return "The collection holds no edge mesh or curve object"
+    elif not _any(context.selected_objects):
+        return "Select edge meshes or curve objects"
+    if settings.edge_length_from == "SCAN" and scan(context) is None:
+        return "Choose the scan that the edge length is measured on"
+    return None
+
+
+def _any(objects):
+    return any(scene_reader.curve_objects([item]) for item in objects)
+
+
+def chosen(context) -> list:
+    """The objects to complete, in a steady order."""
+    settings = context.scene.fcn
+    if settings.source == "COLLECTION":
+        objects = settings.collection.all_objects if settings.collection else ()
+    else:
+        objects = context.selected_objects
+    return sorted(dict.fromkeys(scene_reader.curve_objects(objects)), key=lambda item: item.name)
+
+
+def label(context, objects) -> str:
+    """What the result is called after."""
+    settings = context.scene.fcn
+    if settings.source == "COLLECTION":
+        return settings.collection.name
+    main = context.active_object if context.active_object in objects else objects[0]
+    return main.name if len(objects) == 1 else f"{main.name} and {len(objects) - 1} more"
+
+
+def scan(context):
+    """The object that the edge length is measured on: the one set, else the one surface that is selected."""
+    settings = context.scene.fcn
+    if settings.scan is not None:
+        return settings.scan
+    surfaces = [o for o in context.selected_objects if o.type == "MESH" and len(o.data.polygons)]
+    return surfaces[0] if len(surfaces) == 1 else None
+
+
+def edge_length(context, depsgraph):
+    """The edge length of the settings in scene units, None where it is to be estimated."""
+    settings = context.scene.fcn
+    if settings.edge_length_from == "VALUE":
+        return float(f"{settings.edge_length:.6g}")
+    if settings.edge_length_from == "SCAN":
+        return mean_edge_length(scan(context), depsgraph)
+    return None
+
+
+def mean_edge_length(item, depsgraph) -> float:
+    """Mean length of the edges of a mesh object, evaluated and in world space."""
+    evaluated = item.evaluated_get(depsgraph)
+    mesh = evaluated.to_mesh()
+    try:
+        if mesh is None or not mesh.edges:
+            raise InputError(f"object {item.name!r} has no edges; choose the scan that the curves come from")
+        points = np.empty(3 * len(mesh.vertices), np.float32)
+        mesh.vertices.foreach_get("co", points)
+        edges = np.empty(2 * len(mesh.edges), np.int32)
+        mesh.edges.foreach_get("vertices", edges)
+    finally:
+        evaluated.to_mesh_clear()
+    turn = np.array(evaluated.matrix_world, float)[:3, :3]
+    points, edges = points.reshape(-1, 3) @ turn.T, edges.reshape(-1, 2)
+    mean = float(np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1).mean())
+    if not (np.isfinite(mean) and mean > 0):
+        raise InputError(f"object {item.name!r} has a mean edge length of {mean:g}; choose another scan")
+    return mean
+
+
+def missing(task) -> str | None:
+    """What of a task has gone from the file, in words; None if all is there."""
+    scene = task.scene.find(bpy.data.scenes)
+    if scene is None:
+        return f"scene {task.scene.name!r}"
+    for source in task.sources:
+        item = source.find(bpy.data.objects)
+        if item is None or item.name not in scene.objects:
+            return f"object {source.name!r}"
+    return None

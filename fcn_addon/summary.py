@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a run would use: computed a moment after the selection or the settings change, never while drawing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+
+from ..core.errors import InputError
+from ..core.network import estimate_edge_length
+from ..core.report import lengths
+
+DELAY = 0.3  # seconds of quiet before it is looked at
+LARGEST = 400_000  # vertices; above this many it waits for the button
+
+
+@dataclass(frozen=True)
+class Summary:
+    """Numbers about the chosen curves.
+
+    samples : length of all curves in edge lengths
+    strong : curves that are at least l0 long or strongly curved
+    seconds : a rough time for the run
+    """
+
+    objects: int
+    curves: int
+    samples: int
+    edge_length: float
+    strong: int
+    seconds: float
+
+
+_latest = None  # Summary, or words that say why there is none
+_key = None
+
+
+def latest():
+    """The Summary, or words that say why there is none, or None before anything is known."""
+    return _latest
+
+
+def update(_group, _context):
+    """Called by Blender when a setting changes."""
+    changed()
+
+
+def changed():
+    """Look again, soon: the settings, the selection or a chosen object has changed."""
+    if bpy.app.background:  # timers do not fire there, and nobody looks
+        return
+    if bpy.app.timers.is_registered(_look):
+        bpy.app.timers.unregister(_look)
+    bpy.app.timers.register(_look, first_interval=DELAY)
+
+
+def _look():
+    from . import session
+
+    if session.running():
+        return DELAY
+    compute(bpy.context)
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                area.tag_redraw()
+    return None
+
+
+def stop():
+    """Forget what is known, and do not look again."""
+    global _latest, _key
+    if bpy.app.timers.is_registered(_look):
+        bpy.app.timers.unregister(_look)
+    _latest = _key = None
+
+
+def watch(scene, depsgraph):
+    """A handler: look again where the chosen objects, or what they are made of, have changed."""
+    global _key
+    context = bpy.context
+    if bpy.app.background or context.mode != "OBJECT":
+        return
+    key = tuple(o.session_uid for o in context.selected_objects[:1000]), len(context.selected_objects)
+    touched = any(update.is_updated_geometry for update in depsgraph.updates)
+    if key != _key or touched:
+        _key = key
+        changed()
+
+
+def compute(context, force=False):
+    """Look at the chosen curves now; the Summary, or words that say why there is none."""
+    global _latest
+    from . import sources
+
+    try:
+        why = sources.why_not(context)
+        if why:
+            _latest = why
+        elif not force and _size(sources.chosen(context)) > LARGEST:
+            _latest = "Many vertices: press Measure to count the curves"
+        else:
+            task = sources.take(context)
+            _latest = summarise(task.reading.curves, task.edge_length, task.parameters, len(task.sources))
+    except InputError as error:
+        _latest = str(error)
+    return _latest
+
+
+def _size(objects):
+    return sum(len(o.data.vertices) if o.type == "MESH" else 0 for o in objects)
+
+
+def summarise(curves, edge_length, parameters, objects=1) -> Summary:
+    """Count what a run would work on; `edge_length` is estimated where it is None."""
+    unit = edge_length or estimate_edge_length(curves)
+    length = lengths(curves) / unit
+    strong = length > parameters.l0
+    if curves.strength is not None:
+        points = np.diff(curves.offsets)
+        mean = np.add.reduceat(curves.strength, curves.offsets[:-1]) / points
+        strong |= mean > parameters.strong_curvature * float(np.mean(curves.strength))
+    samples = int(round(float(length.sum())))
+    return Summary(objects, len(curves), samples, unit, int(strong.sum()), rough_seconds(float(length[strong].sum())))
+
+
+def rough_seconds(samples) -> float:
+    """A rough time for a run with this many samples on strong curves: fitted to runs on two cores."""
+    return 1.0 + 8.0e-4 * samples + 3.0e-8 * samples**2

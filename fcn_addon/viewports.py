@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The 3D viewports of the window: redrawing, framing, colours."""
+
+from __future__ import annotations
+
+import bpy
+
+
+def areas(context):
+    """(window, area) of every 3D viewport that is open."""
+    for window in context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                yield window, area
+
+
+def redraw_panels(context):
+    """Draw the sidebars again, without the scene."""
+    for _, area in areas(context):
+        for region in area.regions:
+            if region.type == "UI":
+                region.tag_redraw()
+
+
+def is_over_viewport(context, event) -> bool:
+    """Whether the mouse is over a 3D viewport of the window."""
+    x, y = event.mouse_x, event.mouse_y
+    return any(
+        a.type == "VIEW_3D" and a.x <= x < a.x + a.width and a.y <= y < a.y + a.height
+        for a in (context.window.screen.areas if context.window else ())
+    )
+
+
+def show_object_colours(context):
+    """Let the viewports draw wires in the colours of their objects."""
+    for _, area in areas(context):
+        shading = area.spaces.active.shading
+        shading.wireframe_color_type = "OBJECT"
+        shading.color_type = "OBJECT"
+
+
+def frame_selected(context):
+    """Move the view so that the selection fills it; the viewport of the context, else the first. False without one."""
+    for window, area in sorted(areas(context), key=lambda pair: pair[1] != context.area):
+        region = next((r for r in area.regions if r.type == "WINDOW"), None)
+        if region is not None:
+            with context.temp_override(window=window, area=area, region=region):
+                bpy.ops.view3d.view_selected(use_all_regions=False)
+            return True
+    return False
+
+
+def isolate(context, alone):
+    """Show the selection alone in the viewport of the context (its local view), or everything again."""
+    area = context.area
+    if area is None or area.type != "VIEW_3D":
+        area = next((a for _, a in areas(context)), None)
+    if area is None or bool(area.spaces.active.local_view) == alone:
+        return
+    region = next(r for r in area.regions if r.type == "WINDOW")
+    with context.temp_override(area=area, region=region):
+        bpy.ops.view3d.localview(frame_selected=alone)

@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Make one plain object of the visible result."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.props import EnumProperty
+
+from ..core.errors import InputError
+from ..fcn_addon import plain, results, selection
+
+
+class FCN_OT_apply(bpy.types.Operator):
+    """Make one plain object of all completed curves that are visible, for export or for geometry nodes.
+    The result stays as it is"""
+
+    bl_idname = "fcn.apply"
+    bl_label = "Apply to One Object"
+    bl_options = {"REGISTER", "UNDO"}
+
+    kind: EnumProperty(
+        name="Type",
+        items=(
+            ("CURVE", "Curve", "A curve object with a poly spline per curve"),
+            ("MESH", "Edge Mesh", "A mesh of edges, with support, component, template and occurrence on its points"),
+            ("CURVES", "Hair Curves", "The newer curve type, with support and labels per curve for geometry nodes"),
+        ),
+    )
+
+    @classmethod
+    def poll(cls, context):
+        why = "Leave the edit mode first" if context.mode != "OBJECT" else None
+        if why is None and results.active(context.scene) is None:
+            why = "No result: complete curves first"
+        if why:
+            cls.poll_message_set(why)
+        return not why
+
+    def execute(self, context):
+        try:
+            item = plain.make(results.active(context.scene), context, self.kind)
+        except InputError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        selection.select(context, [item], active=item)
+        self.report({"INFO"}, f"Made {item.name!r}")
+        return {"FINISHED"}

@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Let an occurrence differ from its template."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..fcn_addon import selection
+
+
+class FCN_OT_make_unique(bpy.types.Operator):
+    """Give the selected occurrences curves of their own, which no longer follow the template"""
+
+    bl_idname = "fcn.make_unique"
+    bl_label = "Make Unique"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        why = "Leave the edit mode first" if context.mode != "OBJECT" else None
+        if why is None and not any(map(selection.is_of_occurrence, context.selected_objects)):
+            why = "Select a curve of an occurrence"
+        if why:
+            cls.poll_message_set(why)
+        return not why
+
+    def execute(self, context):
+        shared = [item for item in selection.parts(context.selected_objects) if item.data.users > 1]
+        for item in shared:
+            item.data = item.data.copy()
+            item["unique"] = True
+        self.report({"INFO"}, f"{len(shared)} curves are unique now")
+        return {"FINISHED"}

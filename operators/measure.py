@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Count what a run would use."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..fcn_addon import session, sources, summary
+
+
+class FCN_OT_measure(bpy.types.Operator):
+    """Count the chosen curves and estimate their edge length and the time that a run takes"""
+
+    bl_idname = "fcn.measure"
+    bl_label = "Measure Curves"
+
+    @classmethod
+    def poll(cls, context):
+        why = "A run is under way" if session.running() else sources.why_not(context)
+        if why:
+            cls.poll_message_set(why)
+        return not why
+
+    def execute(self, context):
+        found = summary.compute(context, force=True)
+        if isinstance(found, str):
+            self.report({"ERROR"}, found)
+            return {"CANCELLED"}
+        self.report({"INFO"}, f"{found.curves} curves, {found.samples} samples, {found.strong} strong curves")
+        return {"FINISHED"}

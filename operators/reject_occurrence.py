@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Take single occurrences out of the result."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..fcn_addon import selection, views
+
+
+class FCN_OT_reject_occurrence(bpy.types.Operator):
+    """Take the occurrences that the selected curves belong to out of the result"""
+
+    bl_idname = "fcn.reject_occurrence"
+    bl_label = "Reject Occurrence"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        found = any(map(selection.is_of_occurrence, context.selected_objects))
+        if not found:
+            cls.poll_message_set("Select a curve of an occurrence")
+        return found
+
+    def execute(self, context):
+        chosen = selection.holders(context.selected_objects)
+        rejected = [*chosen, *selection.parts(context.selected_objects)]
+        roots = {selection.result_of(context.scene, item) for item in rejected} - {None}
+        for item in rejected:
+            item["rejected"] = True
+        for root in roots:
+            views.refresh(root)
+        self.report({"INFO"}, f"{len(chosen)} occurrences rejected")
+        return {"FINISHED"}

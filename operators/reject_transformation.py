@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Take a transformation out of the result, or back in."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..fcn_addon import results
+
+
+class FCN_OT_reject_transformation(bpy.types.Operator):
+    """Take all that the active transformation explains out of the result; again takes it back in"""
+
+    bl_idname = "fcn.reject_transformation"
+    bl_label = "Reject Transformation"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        found = results.active_transformation(context.scene) is not None
+        if not found:
+            cls.poll_message_set("No transformation: complete curves first")
+        return found
+
+    def execute(self, context):
+        row = results.active_transformation(context.scene)
+        row.kept = not row.kept
+        self.report({"INFO"}, f"{row.name}: {'kept' if row.kept else 'rejected'}")
+        return {"FINISHED"}

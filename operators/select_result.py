@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From input curves to the occurrences that were made of them."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..fcn_addon import results, selection, tracing, viewports
+
+
+class FCN_OT_select_result(bpy.types.Operator):
+    """Go back to the result, and select the occurrences that the selected input curves belong to"""
+
+    bl_idname = "fcn.select_result"
+    bl_label = "Select Completed Curves"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        item = context.active_object
+        found = item is not None and item.type == "MESH" and "source" in item.data.attributes
+        if not found:
+            cls.poll_message_set("Select points of a result's input first: Select Source Curves shows it")
+        return found
+
+    def execute(self, context):
+        item = context.active_object
+        if context.mode != "OBJECT":
+            bpy.ops.object.mode_set(mode="OBJECT")
+        root = selection.result_of(context.scene, item)
+        mesh = None if root is None else tracing.input_mesh(root)
+        if mesh is None or mesh.item != item or results.child(root, "templates") is None:
+            self.report({"ERROR"}, f"{item.name!r} is not the input of a result")
+            return {"CANCELLED"}
+        found = tracing.parts_of_points(root, tracing.selected_points(item.data), mesh)
+        root.fcn_result.view = "RESULT"
+        context.view_layer.update()
+        count = selection.select(context, found, active=found[0] if found else None)
+        if count:
+            viewports.frame_selected(context)
+        self.report({"INFO"}, f"{count} completed curves")
+        return {"FINISHED"}

@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From an occurrence to the input curves that show it."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from ..fcn_addon import selection, tracing, viewports
+
+
+class FCN_OT_select_source(bpy.types.Operator):
+    """Show the input, and select in it the curves that the selected occurrences were made of"""
+
+    bl_idname = "fcn.select_source"
+    bl_label = "Select Source Curves"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        why = "Leave the edit mode first" if context.mode != "OBJECT" else None
+        if why is None and not any(map(selection.is_of_occurrence, context.selected_objects)):
+            why = "Select a curve of an occurrence"
+        if why:
+            cls.poll_message_set(why)
+        return not why
+
+    def execute(self, context):
+        parts = selection.parts(context.selected_objects)
+        root = selection.result_of(context.scene, parts[0]) if parts else None
+        mesh = None if root is None else tracing.input_mesh(root)
+        if mesh is None:
+            self.report({"ERROR"}, "The input of this result was removed; complete the curves again")
+            return {"CANCELLED"}
+        chosen = tracing.source_points(root, parts, mesh)
+        if not chosen.any():
+            self.report({"WARNING"}, "No input curve lies here: this was completed from other occurrences alone")
+            return {"CANCELLED"}
+        root.fcn_result.view = "INPUT"
+        context.view_layer.update()
+        tracing.select_points(mesh.item.data, chosen)
+        selection.select(context, [mesh.item], active=mesh.item)
+        bpy.ops.object.mode_set(mode="EDIT")
+        viewports.frame_selected(context)
+        self.report({"INFO"}, f"{len(np.unique(mesh.source[chosen]))} input curves")
+        return {"FINISHED"}

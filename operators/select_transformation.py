@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Select and frame what a transformation explains."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.props import IntProperty
+
+from ..fcn_addon import results, selection, viewports
+
+
+class FCN_OT_select_transformation(bpy.types.Operator):
+    """Select the occurrences of this transformation and look at them"""
+
+    bl_idname = "fcn.select_transformation"
+    bl_label = "Select Transformation"
+    bl_options = {"REGISTER", "UNDO"}
+
+    index: IntProperty(name="Row", description="Row of the list, -1 for the active one", default=-1, min=-1)
+
+    @classmethod
+    def poll(cls, context):
+        why = "Leave the edit mode first" if context.mode != "OBJECT" else None
+        if why is None and results.active_transformation(context.scene) is None:
+            why = "No transformation: complete curves first"
+        if why:
+            cls.poll_message_set(why)
+        return not why
+
+    def execute(self, context):
+        result = results.active(context.scene).fcn_result
+        if self.index >= len(result.transformations):
+            self.report({"ERROR"}, f"There is no row {self.index}; the list has {len(result.transformations)}")
+            return {"CANCELLED"}
+        if self.index >= 0:
+            result.active = self.index
+        if result.view == "INPUT":
+            result.view = "RESULT"
+        objects = selection.of_transformation(result.transformations[result.active])
+        shown = [item for item in objects if selection.is_part(item) and item.visible_get()]
+        if not selection.select(context, shown, active=shown[0] if shown else None):
+            self.report({"WARNING"}, "Nothing of this transformation is visible")
+            return {"FINISHED"}
+        viewports.frame_selected(context)
+        return {"FINISHED"}

@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What to complete, the button, the progress, and the parameters."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..fcn_addon import properties, session, summary
+from ..fcn_addon.scene_writer import unit_length
+from ..fcn_addon.terminal import duration
+from .presets_panel import FCN_PT_presets
+
+CATEGORY = "Feature Curves"
+
+
+class Sidebar:
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = CATEGORY
+
+
+class FCN_PT_complete(Sidebar, bpy.types.Panel):
+    bl_label = "Complete Curves"
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        run = session.current()
+        if run is not None:
+            _draw_run(layout, run)
+            return
+        settings = context.scene.fcn
+        _draw_source(layout, settings)
+        _draw_summary(layout.box(), context)
+        layout.prop(settings, "earlier", expand=True)
+        button = layout.row()
+        button.scale_y = 1.6
+        button.operator("fcn.complete", icon="CURVE_DATA")
+
+
+def _draw_source(layout, settings):
+    layout.prop(settings, "source", expand=True)
+    if settings.source == "COLLECTION":
+        layout.prop(settings, "collection", text=" ")
+    layout.prop(settings, "edge_length_from")
+    if settings.edge_length_from == "SCAN":
+        layout.prop(settings, "scan", text=" ")
+    elif settings.edge_length_from == "VALUE":
+        layout.prop(settings, "edge_length", text=" ")
+
+
+def _draw_summary(box, context):
+    """What a run would use."""
+    found = summary.latest()
+    if not isinstance(found, summary.Summary):
+        row = box.row()
+        row.label(text=found or "Press Measure to count the curves", icon="INFO", translate=False)
+        row.operator("fcn.measure", text="", icon="FILE_REFRESH")
+        return
+    column = box.column(align=True)
+    row = column.row()
+    objects = "1 object" if found.objects == 1 else f"{found.objects} objects"
+    row.label(text=f"{found.curves:,} curves of {objects}", icon="CURVE_DATA", translate=False)
+    row.operator("fcn.measure", text="", icon="FILE_REFRESH", emboss=False)
+    edge = unit_length(context.scene)(found.edge_length)
+    column.label(text=f"{found.samples:,} samples, edge length {edge}", icon="BLANK1", translate=False)
+    column.label(text=f"{found.strong:,} strong curves", icon="BLANK1", translate=False)
+    column.label(text=f"About {duration(found.seconds)}", icon="BLANK1", translate=False)
+
+
+def _draw_run(layout, run):
+    """The progress, as of the last tick."""
+    stopping, label, fraction, left = run.shown or (False, "Starting", 0.0, 0)
+    column = layout.column()
+    column.label(text="Stopping…" if stopping else label, icon="TIME")
+    column.progress(factor=fraction, text=f"{fraction:.0%}   {duration(left)} left")
+    row = column.row()
+    row.scale_y = 1.6
+    row.enabled = not stopping
+    row.operator("fcn.cancel", text="Cancel", icon="CANCEL")
+    column.label(text="Esc over the viewport cancels too")
+
+
+class FCN_PT_parameters(Sidebar, bpy.types.Panel):
+    bl_label = "Parameters"
+    bl_parent_id = "FCN_PT_complete"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw_header_preset(self, context):
+        FCN_PT_presets.draw_panel_header(self.layout)
+
+    def draw(self, context):
+        _draw_parameters(self.layout, context, properties.BASIC)
+
+
+class FCN_PT_advanced(Sidebar, bpy.types.Panel):
+    bl_label = "More"
+    bl_parent_id = "FCN_PT_parameters"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        names = [n for n in properties.LABELS if n not in properties.BASIC]
+        _draw_parameters(self.layout, context, names)
+
+
+def _draw_parameters(layout, context, names):
+    """Parameters; beside what is in edge lengths stands the length in the unit of the scene."""
+    layout.use_property_split = True
+    layout.use_property_decorate = False
+    layout.active = not session.running()
+    group, found = context.scene.fcn.parameters, summary.latest()
+    words = unit_length(context.scene)
+    edges = properties.in_edges()
+    for name in names:
+        row = layout.row(align=True)
+        row.prop(group, name)
+        if name in edges:
+            known = isinstance(found, summary.Summary)
+            side = row.row()
+            side.ui_units_x = 3
+            side.active = False
+            side.label(text=words(getattr(group, name) * found.edge_length) if known else "edges", translate=False)

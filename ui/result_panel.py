@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The result: what is shown of it, the transformations, and single occurrences."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..fcn_addon import results, session
+from .complete_panel import Sidebar
+
+
+class FCN_UL_transformations(bpy.types.UIList):
+    bl_idname = "FCN_UL_transformations"
+
+    def draw_item(self, context, layout, data, item, icon, active_data, active_property, index):
+        row = layout.row(align=True)
+        row.prop(item, "kept", text="", icon="CHECKBOX_HLT" if item.kept else "CHECKBOX_DEHLT", emboss=False)
+        name = row.row()
+        name.active = item.kept
+        name.label(text=item.name, icon=results.ICONS.get(item.kind, "DOT"), translate=False)
+        share = row.row()
+        share.alignment = "RIGHT"
+        share.active = item.kept
+        share.label(text=f"{item.support:.0%}", translate=False)
+        row.operator("fcn.select_transformation", text="", icon="RESTRICT_SELECT_OFF", emboss=False).index = index
+
+
+class FCN_PT_result(Sidebar, bpy.types.Panel):
+    bl_label = "Result"
+
+    @classmethod
+    def poll(cls, context):
+        return results.active(context.scene) is not None
+
+    def draw(self, context):
+        layout = self.layout
+        layout.enabled = not session.running()
+        root = results.active(context.scene)
+        result = root.fcn_result
+        row = layout.row(align=True)
+        row.prop(context.scene.fcn, "result", text="")
+        row.operator("fcn.remove_result", text="", icon="TRASH")
+        layout.row().prop(result, "view", expand=True)
+        layout.prop(result, "support", text="Hide Below Support", slider=True)
+        layout.template_list(FCN_UL_transformations.bl_idname, "", result, "transformations", result, "active", rows=4)
+        _draw_transformation(layout, results.active_transformation(context.scene))
+        layout.operator_menu_enum("fcn.apply", "kind", icon="OUTLINER_OB_CURVE")
+
+
+def _draw_transformation(layout, row):
+    """The numbers of the active row."""
+    if row is None:
+        layout.label(text="No transformation was found", icon="INFO")
+        return
+    column = layout.box().column(align=True)
+    column.label(text=row.name, translate=False)
+    column.label(text=f"{row.count:,} occurrences, {row.curves:,} curves", translate=False)
+    column.label(text=f"Support {row.support:.1%}, log Bayes factor {row.log_bayes_factor:,.0f}", translate=False)
+    buttons = layout.row(align=True)
+    buttons.operator("fcn.select_transformation", text="Select", icon="RESTRICT_SELECT_OFF").index = -1
+    buttons.operator(
+        "fcn.reject_transformation", text="Reject" if row.kept else "Keep", icon="X" if row.kept else "CHECKMARK"
+    )
+    buttons.operator("fcn.restore", text="", icon="LOOP_BACK")
+
+
+class FCN_PT_occurrence(Sidebar, bpy.types.Panel):
+    bl_label = "Occurrence"
+    bl_parent_id = "FCN_PT_result"
+
+    def draw(self, context):
+        layout = self.layout
+        layout.enabled = not session.running()
+        item = context.active_object
+        if item is not None and item.get("occurrence", -1) >= 0:
+            text = f"Template {item['template']} at {item['occurrence']}"
+            if "support" in item:
+                text += f", support {item['support']:.0%}"
+            layout.label(text=text, translate=False)
+        column = layout.column(align=True)
+        column.operator("fcn.select_source", icon="BACK")
+        column.operator("fcn.select_result", icon="FORWARD")
+        column = layout.column(align=True)
+        editing = context.mode != "OBJECT"
+        column.operator("fcn.edit_template", text="Finish Editing" if editing else "Edit Template", icon="EDITMODE_HLT")
+        column.operator("fcn.make_unique", icon="UNLINKED")
+        column.operator("fcn.reject_occurrence", icon="X")
