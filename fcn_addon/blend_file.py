@@ -67,4 +67,5 @@ def write(completion, curves, path, source):
         for area in screen.areas:
             for space in (s for s in area.spaces if s.type == "VIEW_3D"):
                 space.shading.wireframe_color_type = space.shading.color_type = "OBJECT"
+    Path(path).unlink(missing_ok=True)  # Blender would keep what stands there as a backup beside it
     bpy.ops.wm.save_as_mainfile(filepath=str(Path(path).resolve()), copy=True, check_existing=False)
