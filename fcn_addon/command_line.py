@@ -45,11 +45,13 @@ def _run(options, terminal):
     with Outputs(wanted.values(), inputs) as outputs:
         began = time.perf_counter()
         reading = _read(options)
-        edge_length = _edge_length(options)
+        edge_length = _edge_length(options, reading)
         seconds = {"read": time.perf_counter() - began}
-        terminal.say(f"{reading.count} curves, {len(reading.curves.points)} points")
+        terminal.say(
+            f"{reading.count} curves, {len(reading.curves.points)} points, edge length {edge_length:.4g} "
+            f"({_origin(options)})"
+        )
         completion = _complete(reading.curves, edge_length, parameters, terminal)
-        terminal.say(f"edge length {completion.edge_length:.4g} ({_origin(options)})")
         began = time.perf_counter()
         document = _report(completion, reading, parameters, seconds)
         if "curves" in wanted:
@@ -103,12 +105,13 @@ def _read(options):
     return concatenate(readings)
 
 
-def _edge_length(options):
+def _edge_length(options, reading):
     from ..core.files.reading import mean_edge_length, read_surface
+    from ..core.network import estimate_edge_length
 
     if options.surface:
         return mean_edge_length(*read_surface(options.surface))
-    return options.edge_length
+    return options.edge_length or estimate_edge_length(reading.curves, crossings=reading.crossings)
 
 
 def _origin(options):

@@ -17,10 +17,12 @@ class Reading:
     """Curves of one or more files.
 
     count : how many input curves the files name; `curves.source` counts them, and those without length are left out
+    crossings : the points lie where the curves cross the edges of a mesh, so that segments are shorter than edges
     """
 
     curves: Curves
     count: int
+    crossings: bool = False
 
 
 def curves_of_chains(path, points, chains: Chains, strength=None) -> Reading:
@@ -89,4 +91,4 @@ def concatenate(readings) -> Reading:
         np.concatenate([c.strength for c in every]) if known else None,
         np.concatenate([c.source + n for c, n in zip(every, counts)]),
     )
-    return Reading(curves, int(counts[-1]))
+    return Reading(curves, int(counts[-1]), all(r.crossings for r in readings))

@@ -12,6 +12,8 @@ that only connects.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..errors import InputError
@@ -26,9 +28,8 @@ def read_ridges(path) -> Reading:
     numbers = [n for n, line in enumerate(lines, 1) if line.strip()]
     rows = [lines[n - 1] for n in numbers]
     first = rows[0].split()
-    if len(first) == 1 and first[0].isdigit():
-        return _read_crest(path, rows, numbers)
-    return _read_cgal(path, rows, numbers)
+    read = _read_crest if len(first) == 1 and first[0].isdigit() else _read_cgal
+    return replace(read(path, rows, numbers), crossings=True)
 
 
 def _read_cgal(path, rows, numbers) -> Reading:

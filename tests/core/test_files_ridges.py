@@ -62,6 +62,12 @@ def test_strength_is_kept_only_where_every_file_has_it(file, tmp_path):
     assert read_curves([ridges, tmp_path / "a.obj"]).curves.strength is None
 
 
+def test_ridge_lines_cross_the_edges_of_a_mesh(file, tmp_path):
+    (tmp_path / "a.obj").write_text("v 0 0 0\nv 1 0 0\nl 1 2\n")
+    assert read_curves([file(CREST)]).crossings
+    assert not read_curves([file(CREST), tmp_path / "a.obj"]).crossings
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
