@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import bpy
 import numpy as np
 
 from ..core.errors import InputError
@@ -53,16 +54,39 @@ def _read_object(item, depsgraph) -> Reading:
     matrix = np.array(item.matrix_world if evaluated is None else evaluated.matrix_world, float)
     if evaluated.type == "CURVES":
         return _read_hair(item.name, evaluated.data, matrix)
+    if item.type == "CURVE" and not item.modifiers and _is_thick(item.data):
+        return _read_thin(item, matrix)
     mesh = evaluated.to_mesh()
     try:
         if mesh is None or not mesh.edges:
             raise InputError(f"object {item.name!r} has no edges; choose edge meshes or curve objects")
         if mesh.polygons:
-            remedy = "set its bevel and extrusion to 0" if item.type == "CURVE" else "detect its feature curves first"
+            remedy = (
+                "set its bevel to 0 or apply its modifiers"
+                if item.type == "CURVE"
+                else "detect its feature curves first"
+            )
             raise InputError(f"object {item.name!r} is a surface of {len(mesh.polygons)} faces; {remedy}")
         return _read_mesh(item.name, mesh, matrix)
     finally:
         evaluated.to_mesh_clear()
+
+
+def _is_thick(data) -> bool:
+    return bool(data.bevel_depth or data.extrude or data.bevel_object or data.dimensions == "2D")
+
+
+def _read_thin(item, matrix) -> Reading:
+    """A curve with a bevel or a fill, read without it from a copy that is gone afterwards."""
+    data = item.data.copy()
+    data.dimensions, data.bevel_depth, data.extrude, data.bevel_object = "3D", 0.0, 0.0, None
+    thin = bpy.data.objects.new(item.name, data)
+    try:
+        return _read_mesh(item.name, thin.to_mesh(), matrix)
+    finally:
+        thin.to_mesh_clear()
+        bpy.data.objects.remove(thin)
+        bpy.data.curves.remove(data)
 
 
 def _read_mesh(name, mesh, matrix) -> Reading:

@@ -131,9 +131,25 @@ def test_what_is_wrong_is_named(bpy, read, part, make, message):
     assert message in str(error.value) and repr(item.name) in str(error.value)
 
 
-def test_a_bevel_is_named(bpy, read, part):
+@pytest.mark.parametrize("kind", ["bevel_depth", "extrude", "bevel_object", "2D"])
+def test_a_bevel_does_not_matter(bpy, read, kind):
+    item = poly(bpy, cyclic=True)
+    if kind == "2D":
+        item.data.dimensions = kind
+    else:
+        setattr(item.data, kind, poly(bpy) if kind == "bevel_object" else 0.1)
+    item.location = (0, 0, 3)
+    before = len(bpy.data.curves), len(bpy.data.objects)
+    curves = read(item).reading.curves
+    assert {tuple(p) for p in curves.points.tolist()} == {(x, y, 3.0) for x, y, _ in LINE}
+    assert curves.closed.tolist() == [True]
+    assert (len(bpy.data.curves), len(bpy.data.objects)) == before
+
+
+def test_a_bevel_under_a_modifier_is_named(bpy, read, part):
     item = poly(bpy)
     item.data.bevel_depth = 0.1
+    item.modifiers.new("Deform", "SIMPLE_DEFORM")
     with pytest.raises(part("core.errors").InputError, match="bevel"):
         read(item)
 
