@@ -15,7 +15,7 @@ ROOMS = ("core", "fcn_addon", "operators", "ui")
 # What each room may import of the project; a room may always import itself.
 MAY = {
     "core": set(),
-    "fcn_addon": {"core", "benchmarks"},
+    "fcn_addon": {"core"},
     "operators": {"core", "fcn_addon"},
     "ui": {"core", "fcn_addon"},
 }
