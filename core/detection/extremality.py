@@ -15,8 +15,11 @@ import numpy as np
 from .lines import Lines
 from .mesh import TriangleMesh
 from .tensor import Curvature
+from .values import RIDGE
 
-RIDGE, VALLEY = 0, 1
+_DOMINANT = 0.5
+"""A crest's curvature must be above this share of the other's, absolutely. [YBS05] ask for all of it, which breaks
+the outline of an opening wherever the surface is saddle-like."""
 
 
 @dataclass(frozen=True)
@@ -60,7 +63,7 @@ def crest_lines(mesh: TriangleMesh, curvature: Curvature, kind: int, least_fold:
     Returns
     -------
     lines : one point for each crossing, on the mesh's own edge
-    sound : (p,) bool, a maximum (not a minimum) that dominates the other curvature
+    sound : (p,) bool, a maximum (not a minimum) that is not small against the other curvature
     """
     field = Extremality.of(curvature, kind)
     fold = fold_angle(field.value, curvature.width, mesh.edge_length)
@@ -88,7 +91,7 @@ def crest_lines(mesh: TriangleMesh, curvature: Curvature, kind: int, least_fold:
     maximal[segments[falls]] = True
     normals = between(curvature.normals)
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
-    sound = maximal & (strength > np.abs(other))
+    sound = maximal & (strength > _DOMINANT * np.abs(other))
     return Lines(between(mesh.vertices), normals, strength, between(fold), segments), sound
 
 

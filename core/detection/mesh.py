@@ -113,12 +113,12 @@ class TriangleMesh:
         mask[self.edges[self.edge_faces == 1]] = True
         return mask
 
-    @cached_property
-    def incidence(self) -> sparse.csr_matrix:
-        """(n, m) sparse, one where the vertex is a corner of the face."""
+    def corner_matrix(self, weight: np.ndarray) -> sparse.csr_matrix:
+        """(n, m) sparse: `weight` (m, 3) of each face at its corners, to gather face values at vertices."""
         m = len(self.faces)
-        rows = self.faces.ravel()
-        return sparse.csr_matrix((np.ones(3 * m), (rows, np.repeat(np.arange(m), 3))), (len(self.vertices), m))
+        return sparse.csr_matrix(
+            (weight.ravel(), (self.faces.ravel(), np.repeat(np.arange(m), 3))), (len(self.vertices), m)
+        )
 
 
 def triangulate(faces) -> tuple[np.ndarray, np.ndarray]:

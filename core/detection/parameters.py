@@ -22,9 +22,9 @@ class DetectionParameters:
     Each field's metadata holds ``unit``, ``help`` (plain words) and the inclusive bounds ``low`` and ``high``.
     """
 
-    detail: float = _value(1.0, EDGES, "smoothing scale: features finer than this are taken for noise", 0.0, 20)
-    strong_fold: float = _value(15.0, DEGREES, "a curve must somewhere be as sharp as a fold by this angle", 0, 180)
-    weak_fold: float = _value(6.0, DEGREES, "a curve goes on while it is as sharp as a fold by this angle", 0, 180)
+    detail: float = _value(0.7, EDGES, "smoothing scale: features finer than this are taken for noise", 0.0, 20)
+    strong_fold: float = _value(12.0, DEGREES, "a curve must somewhere be as sharp as a fold by this angle", 0, 180)
+    weak_fold: float = _value(5.0, DEGREES, "a curve goes on while it is as sharp as a fold by this angle", 0, 180)
     strong_length: float = _value(3.0, EDGES, "length over which a curve must be strong", 0, 1000)
     min_length: float = _value(8.0, EDGES, "shortest curve that is kept", 0, 10000)
     bridge: float = _value(5.0, EDGES, "longest faint stretch between two clear ones that stays", 0, 100)
@@ -43,7 +43,5 @@ class DetectionParameters:
                 span = f"from {low:g} to {high:g}" if isfinite(high) else f"of at least {low:g}"
                 raise InputError(f"{f.name} is {value!r}: give a number {span} ({f.metadata['unit']})")
         if self.weak_fold > self.strong_fold:
-            raise InputError(
-                f"weak_fold is {self.weak_fold:g} and strong_fold is {self.strong_fold:g}: weak_fold must not be above it"
-            )
+            raise InputError(f"weak_fold is {self.weak_fold:g}: give at most strong_fold, {self.strong_fold:g}")
         return self

@@ -20,8 +20,9 @@ _COTANGENT = (0.02, 5.0)
 """Bounds of an edge weight. A negative weight (obtuse neighbours) would let values overshoot, a huge one
 (slivers) would make the system slow to solve; both bounds are far outside well-shaped triangles (0.58)."""
 
-_RESIDUAL = 1e-3
-"""Relative residual at which the solution of one step counts as reached: far below a scan's noise."""
+_RESIDUAL = 0.01
+"""The solution of a step counts as reached when this share of the first residual is left. That residual is what the
+step has to change, so the share holds far from the origin and in large scenes alike."""
 
 _STEPS = 3
 """Implicit steps per diffusion: their kernel is close to a Gaussian, one alone is peaked with long tails."""
@@ -32,7 +33,7 @@ class Diffusion:
     """Smooths vertex fields of one mesh.
 
     laplacian : (n, n) sparse, symmetric, rows sum to zero
-    mass : (n,) float64, a third of the area of the faces at each vertex
+    mass : (n,) float64, the area that belongs to each vertex
     local : (n,) float64, local edge length, scene units
     """
 
@@ -45,22 +46,23 @@ class Diffusion:
         p = mesh.vertices[mesh.faces]
         side = p[:, [2, 0, 1]] - p[:, [1, 2, 0]]  # side j is opposite corner j
         area2 = np.linalg.norm(np.cross(side[:, 0], side[:, 1]), axis=1)
-        # cot of corner j = -(side j+1 . side j+2) / (2 area)
-        cot = -np.einsum("ijk,ijk->ij", side[:, [1, 2, 0]], side[:, [2, 0, 1]]) / area2[:, None]
+        cot = corner_cotangents(side, 0.5 * area2)
         weight = 0.5 * np.bincount(mesh.face_edges.ravel(), cot.ravel(), len(mesh.edges))
         weight = np.clip(weight, *_COTANGENT)
         n = len(mesh.vertices)
         i, j = mesh.edges.T
         adjacency = sparse.coo_matrix((np.r_[weight, weight], (np.r_[i, j], np.r_[j, i])), (n, n)).tocsr()
         laplacian = sparse.diags(np.asarray(adjacency.sum(axis=1)).ravel()) - adjacency
-        mass = np.bincount(mesh.faces.ravel(), np.repeat(area2 / 6, 3), n)
+        mass = np.bincount(mesh.faces.ravel(), corner_areas(side, cot, 0.5 * area2).ravel(), n)
         length = np.bincount(i, mesh.edge_lengths, n) + np.bincount(j, mesh.edge_lengths, n)
         local = length / (np.bincount(i, minlength=n) + np.bincount(j, minlength=n))
         return cls(laplacian.tocsr(), mass, local)
 
     def width(self, scale: float, least: float = 0.3) -> np.ndarray:
-        """(n,) float64, the standard deviation used at each vertex: `scale`, or `least` local edges if longer."""
-        return np.maximum(scale, least * self.local)
+        """(n,) float64, the standard deviation used at each vertex: `scale`, or `least` local edges if longer.
+
+        A scale of 0 asks for no smoothing at all and gets none."""
+        return np.maximum(scale, least * self.local) if scale > 0 else np.zeros_like(self.local)
 
     def smooth(self, values: np.ndarray, width: np.ndarray, steps: int = _STEPS, tick=None) -> np.ndarray:
         """Diffuse a field (n, k) by the standard deviation `width` (n,), scene units.
@@ -69,6 +71,8 @@ class Diffusion:
         varies too. Conjugate gradients with the diagonal as preconditioner need about as many iterations
         as the width has edge lengths times four. `tick()` is called once an iteration.
         """
+        if not np.any(width > 0):
+            return np.array(values, np.float64)
         time = width**2 / (2 * steps)
         load = (self.mass / np.maximum(time, 1e-300))[:, None]
         system = (self.laplacian + sparse.diags(load[:, 0])).tocsr()
@@ -79,13 +83,35 @@ class Diffusion:
         return x
 
 
+def corner_areas(side: np.ndarray, cot: np.ndarray, area: np.ndarray) -> np.ndarray:
+    """(m, 3) float64: the part of each face nearer to a corner than to the others (Voronoi area).
+
+    side : (m, 3, 3), side j opposite corner j; cot : (m, 3), of the corners; area : (m,)
+
+    In a face with an obtuse corner that part leaves the face; the corner gets half of the area then
+    and the others a quarter each (the mixed area of Meyer et al. 2003).
+    """
+    square = np.einsum("ijk,ijk->ij", side, side)
+    share = square * cot / 8
+    voronoi = share[:, [1, 2, 0]] + share[:, [2, 0, 1]]
+    obtuse = cot < 0
+    mixed = area[:, None] * np.where(obtuse, 0.5, 0.25)
+    return np.where(obtuse.any(axis=1)[:, None], mixed, voronoi)
+
+
+def corner_cotangents(side: np.ndarray, area: np.ndarray) -> np.ndarray:
+    """(m, 3) float64, cotangents of the corners: -(side j+1 . side j+2) / (2 area)."""
+    dot = np.einsum("ijk,ijk->ij", side[:, [1, 2, 0]], side[:, [2, 0, 1]])
+    return -dot / np.maximum(2 * area, 1e-300)[:, None]
+
+
 def _conjugate_gradients(system, right, x, inverse, tick):
     """Columns solved side by side, each with its own step lengths; stops when all have converged."""
     r = right - system @ x
     z = inverse * r
     p = z.copy()
     rz = np.einsum("ij,ij->j", r, z)
-    goal = _RESIDUAL**2 * max(np.einsum("ij,ij->", right, inverse * right), 1e-300)
+    goal = _RESIDUAL**2 * rz.sum()
     for _ in range(200):
         if rz.sum() <= goal:
             break

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .mesh import TriangleMesh
-from .smoothing import Diffusion
+from .smoothing import Diffusion, corner_areas, corner_cotangents
 
 _TINY = 1e-300
 
@@ -125,7 +125,7 @@ def face_shape(points, normals, faces) -> FaceShape:
     v = np.cross(normal, u)
     side_u = np.einsum("ijk,ik->ij", side, u)
     side_v = np.einsum("ijk,ik->ij", side, v)
-    return FaceShape(u, v, normal, side_u, side_v, area, np.repeat(area[:, None] / 3, 3, axis=1))
+    return FaceShape(u, v, normal, side_u, side_v, area, corner_areas(side, corner_cotangents(side, area), area))
 
 
 def face_tensors(shape: FaceShape, normals, faces) -> np.ndarray:
@@ -263,8 +263,9 @@ def vertex_derivatives(derivatives, shape: FaceShape, mesh: TriangleMesh) -> np.
             + r * (ua * vb * vc + va * ub * vc + va * vb * uc)
             + s * va * vb * vc
         )
-    weight = shape.weight[:, :1]
-    return (mesh.incidence @ (world * weight)) / np.maximum(mesh.incidence @ weight, _TINY)
+    total = mesh.corner_matrix(shape.weight) @ world
+    weight = np.bincount(mesh.faces.ravel(), shape.weight.ravel(), len(mesh.vertices))
+    return total / np.maximum(weight, _TINY)[:, None]
 
 
 def cubic(form, direction) -> np.ndarray:
