@@ -149,5 +149,6 @@ def end(context=None):
     if run.timer is not None:
         timer, run.timer = run.timer, None
         (context or bpy.context).window_manager.event_timer_remove(timer)
-    run.job.stop()
-    run.job.join(PATIENCE)
+    if run.job.running:
+        run.job.stop()
+        run.job.join(PATIENCE)

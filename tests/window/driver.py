@@ -1,0 +1,230 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Drives a real window of Blender as a user would: mouse, keys, pictures. Runs inside Blender.
+
+A session is a generator. It yields a number of seconds to wait, or a function to wait for until it is true.
+"""
+
+import os
+import subprocess
+import sys
+import time
+import traceback
+
+import bpy
+
+EXTENSION = "bl_ext.user_default.fcn_addon"
+STEP = 0.02  # seconds between two looks at what the session waits for
+PATIENCE = 60.0
+
+
+class Driver:
+    """Mouse, keys and pictures of the first window; `pictures` is the folder for these."""
+
+    def __init__(self, pictures):
+        self.pictures = pictures
+        os.makedirs(pictures, exist_ok=True)
+        self.notes = []
+
+    @property
+    def window(self):
+        return bpy.context.window_manager.windows[0]
+
+    @property
+    def area(self):
+        return next(a for a in self.window.screen.areas if a.type == "VIEW_3D")
+
+    def region(self, kind):
+        return next(r for r in self.area.regions if r.type == kind)
+
+    def context(self, kind="WINDOW"):
+        return bpy.context.temp_override(window=self.window, area=self.area, region=self.region(kind))
+
+    def run(self, session):
+        """Start; Blender ends with the session, with 1 where it failed."""
+        bpy.context.preferences.view.show_splash = False
+        bpy.context.preferences.view.smooth_view = 0
+        self._session, self._wait, self._since = session, 0.5, time.monotonic()
+        bpy.app.timers.register(self._step, first_interval=0.5, persistent=True)
+
+    def _step(self):
+        now = time.monotonic()
+        try:
+            if callable(self._wait):
+                if not self._wait():
+                    if now - self._since > PATIENCE:
+                        raise TimeoutError(f"waited {PATIENCE:g} s in vain")
+                    return STEP
+            elif now - self._since < self._wait:
+                return STEP
+            self._wait, self._since = next(self._session), time.monotonic()
+            return STEP
+        except StopIteration:
+            print("window session: all as it should be", flush=True)
+            self._quit(0)
+        except BaseException:
+            traceback.print_exc()
+            frame = self._session.gi_frame
+            print(f"window session: failed{f' at line {frame.f_lineno}' if frame else ''}", flush=True)
+            self.picture("failed")
+            self._quit(1)
+        return None
+
+    def _quit(self, code):
+        sys.stdout.flush()
+        sys.stderr.flush()
+        if code:
+            os._exit(code)
+        bpy.ops.wm.quit_blender()
+
+    # mouse and keys
+
+    def event(self, kind, value, x=0, y=0, **more):
+        self.window.event_simulate(type=kind, value=value, x=int(x), y=int(y), **more)
+
+    def move(self, x, y):
+        self.event("MOUSEMOVE", "NOTHING", x, y)
+
+    def click(self, x, y):
+        """Move there and press the left button; a generator."""
+        self.move(x - 1, y)
+        yield 0.05
+        self.move(x, y)
+        yield 0.1
+        self.event("LEFTMOUSE", "PRESS", x, y)
+        yield 0.05
+        self.event("LEFTMOUSE", "RELEASE", x, y)
+        yield 0.1
+
+    def drag(self, x, y, to_x, steps=12):
+        """Press at a place, move sideways, release; a generator."""
+        self.move(x, y)
+        yield 0.1
+        self.event("LEFTMOUSE", "PRESS", x, y)
+        yield 0.05
+        for i in range(1, steps + 1):
+            self.move(x + (to_x - x) * i / steps, y)
+            yield 0.05
+        self.event("LEFTMOUSE", "RELEASE", to_x, y)
+        yield 0.2
+
+    def key(self, kind, x=None, y=None, **more):
+        """Press a key over the middle of the viewport, or at a place; a generator."""
+        region = self.region("WINDOW")
+        x = region.x + region.width // 3 if x is None else x
+        y = region.y + region.height // 2 if y is None else y
+        self.move(x, y)
+        yield 0.1
+        self.event(kind, "PRESS", x, y, **more)
+        yield 0.05
+        self.event(kind, "RELEASE", x, y)
+        yield 0.1
+
+    def find(self, wanted, found):
+        """Look for a button of the sidebar by moving the mouse over it; a generator that fills the list `found`.
+
+        wanted : part of what "Copy Python Command" or "Copy Data Path" gives for the button
+        found : gets (x, y) of the places in the order seen
+        """
+        region = self.region("UI")
+        seen = set()
+        for y in range(region.y + region.height - 30, region.y + 10, -9):
+            for x in (region.x + region.width // 2, region.x + region.width - 100, region.x + region.width - 45):
+                self.move(x, y)
+                yield 0.03
+                said = self.under_mouse()
+                if said:
+                    seen.add(said)
+                if wanted in said:
+                    found.append((x, y))
+                    return
+        raise LookupError(f"no button {wanted!r} in the sidebar; there are {sorted(seen)}")
+
+    def under_mouse(self):
+        """What Blender says of the button under the mouse, "" where there is none."""
+        manager = bpy.context.window_manager
+        for name in ("copy_python_command_button", "copy_data_path_button"):
+            operator = getattr(bpy.ops.ui, name)
+            with self.context("UI"):
+                if operator.poll():
+                    manager.clipboard = ""
+                    operator()
+                    if manager.clipboard:
+                        return manager.clipboard
+        return ""
+
+    def press(self, wanted):
+        """Find a button of the sidebar and click it; a generator."""
+        found = []
+        yield from self.find(wanted, found)
+        yield from self.click(*found[0])
+
+    def choose(self, name, value):
+        """Click the button of a switch in the sidebar that sets a property to a value; a generator."""
+        found = []
+        yield from self.find(name, found)
+        y = found[0][1]
+        owner = bpy.context.scene.fcn.result.fcn_result
+        region = self.region("UI")
+        for x in range(region.x + 20, region.x + region.width - 30, 25):
+            yield from self.click(x, y)
+            if getattr(owner, name) == value:
+                return
+        raise LookupError(f"no button sets {name} to {value}")
+
+    # what is seen
+
+    def sidebar(self, category):
+        """Open the sidebar at a tab; a generator."""
+        self.area.spaces.active.show_region_ui = True
+        yield 0.4
+        self.region("UI").active_panel_category = category
+        yield 0.4
+
+    def picture(self, name):
+        """Take a picture of the screen (Blender's own screenshot is black without a graphics card)."""
+        path = os.path.join(self.pictures, f"{name}.png")
+        subprocess.run(["import", "-window", "root", "+dither", "-colors", "255", path], check=True)
+
+    def note(self, text):
+        self.notes.append(text)
+        print("measured:", text, flush=True)
+
+
+class Redraws:
+    """Measures how long the window goes without a redraw; asks for one all the time.
+
+    It is the header of the viewport that is drawn: without a graphics card the scene alone takes longer than what is
+    to be measured.
+    """
+
+    REGION = "HEADER"
+
+    def __init__(self, driver):
+        self.driver, self.times = driver, []
+
+    def __enter__(self):
+        self._handle = bpy.types.SpaceView3D.draw_handler_add(self._drawn, (), self.REGION, "POST_PIXEL")
+        self._asking = self._ask  # Blender knows a timer by its function object, and each self._ask is a new one
+        bpy.app.timers.register(self._asking)
+        return self
+
+    def __exit__(self, *_):
+        bpy.app.timers.unregister(self._asking)
+        bpy.types.SpaceView3D.draw_handler_remove(self._handle, self.REGION)
+
+    def _drawn(self):
+        self.times.append(time.monotonic())
+
+    def _ask(self):
+        self.driver.region(self.REGION).tag_redraw()
+        return 0.0
+
+    @property
+    def longest(self):
+        """Seconds of the longest gap."""
+        return max((b - a for a, b in zip(self.times, self.times[1:])), default=float("inf"))
+
+    @property
+    def median(self):
+        gaps = sorted(b - a for a, b in zip(self.times, self.times[1:]))
+        return gaps[len(gaps) // 2] if gaps else float("inf")

@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A whole session in a real window: curves in, cancel once, run to the end, look at it, correct it, save and reopen.
+
+xvfb-run -a -s "-screen 0 1280x800x24" blender --factory-startup --enable-event-simulate \
+    --window-geometry 0 0 1280 800 -P tests/window/whole_session.py -- PICTURES_FOLDER
+"""
+
+import sys
+import time
+from pathlib import Path
+
+import bpy
+
+HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE))
+from driver import EXTENSION, Driver, Redraws  # noqa: E402
+
+EXAMPLE = HERE.parent.parent / "examples" / "facade.obj"
+CATEGORY = "Feature Curves"
+
+
+def prepare(driver):
+    """The example as an edge mesh in an otherwise empty scene, seen from the front."""
+    for item in list(bpy.data.objects):
+        bpy.data.objects.remove(item)
+    bpy.ops.wm.obj_import(filepath=str(EXAMPLE), forward_axis="Y", up_axis="Z")
+    item = bpy.context.selected_objects[0]
+    item.name = "Facade"
+    bpy.context.view_layer.objects.active = item
+    with driver.context():
+        bpy.ops.view3d.view_axis(type="FRONT")
+        bpy.ops.view3d.view_selected()
+    driver.area.spaces.active.overlay.show_relationship_lines = False
+
+
+def settings():
+    return bpy.context.scene.fcn
+
+
+def result():
+    return settings().result.fcn_result
+
+
+def visible():
+    return [o for o in settings().result.all_objects if "support" in o and o.visible_get()]
+
+
+def session(driver):
+    assert bpy.ops.preferences.addon_enable(module=EXTENSION) == {"FINISHED"}
+    running = sys.modules[f"{EXTENSION}.fcn_addon.session"]
+    latest = sys.modules[f"{EXTENSION}.fcn_addon.summary"]
+    prepare(driver)
+    yield from driver.sidebar(CATEGORY)
+    yield lambda: isinstance(latest.latest(), latest.Summary)
+    yield 0.3
+    driver.picture("1-panel")
+
+    yield from driver.press("bpy.ops.fcn.complete()")
+    yield running.running
+    yield 1.0
+    driver.picture("2-progress")
+    yield from driver.press("bpy.ops.fcn.cancel()")
+    yield lambda: not running.running()
+    assert settings().result is None and len(bpy.data.collections) <= 1, "a cancelled run must leave nothing"
+
+    yield from driver.press("bpy.ops.fcn.complete()")
+    yield running.running
+    yield 0.5
+    region = driver.region("WINDOW")
+    driver.move(region.x + 300, region.y + 300)
+    yield 0.2
+    stopped = time.monotonic()
+    driver.event("ESC", "PRESS", region.x + 300, region.y + 300)
+    yield lambda: not running.running()
+    driver.note(f"Esc to the end of the run: {time.monotonic() - stopped:.2f} s")
+    assert settings().result is None
+
+    with Redraws(driver) as idle:
+        yield 2.0
+    driver.note(f"redraws without a run: {1000 * idle.median:.0f} ms, longest {1000 * idle.longest:.0f} ms")
+    yield from driver.press("bpy.ops.fcn.complete()")
+    began = time.monotonic()
+    with Redraws(driver) as busy:
+        yield lambda: not running.running()
+    driver.note(f"redraws during a run: {1000 * busy.median:.0f} ms, longest {1000 * busy.longest:.0f} ms")
+    driver.note(f"button to result: {time.monotonic() - began:.1f} s, the method itself {result().seconds:.1f} s")
+    yield 0.5
+    assert result().templates and visible()
+    driver.picture("3-result")
+
+    size = len(visible())
+    for view in ("COMPONENTS", "TEMPLATES", "INPUT", "RESULT"):
+        yield from driver.choose("view", view)
+        yield 0.4
+        assert result().view == view, f"the switch shows {result().view}, not {view}"
+        driver.picture(f"4-view-{view.lower()}")
+    assert len(visible()) == size
+
+    found = []
+    yield from driver.find('fcn_result.support', found)
+    x, y = found[0]
+    yield from driver.drag(x, y, x + 60)
+    yield 0.3
+    least = result().support
+    assert least > 0 and len(visible()) < size
+    assert all(o["support"] >= least - 1e-6 for o in visible())
+    driver.picture("5-support")
+    result().support = 0.0
+    assert len(visible()) == size
+
+    yield from driver.press("bpy.ops.fcn.select_transformation(index=0)")
+    chosen = bpy.context.selected_objects
+    assert chosen and {o.parent.users_collection[0] for o in chosen} == {result().transformations[0].home}
+    driver.picture("6-selected")
+    return
+
+
+if __name__ == "__main__":
+    driver = Driver(sys.argv[sys.argv.index("--") + 1])
+    driver.run(session(driver))
