@@ -12,9 +12,10 @@ from .network import Reading, concatenate
 from .obj import read_obj, read_obj_surface
 from .ply import read_ply, read_ply_surface
 from .ridges import read_ridges
+from .stl import read_stl_surface
 
 CURVE_READERS = {".obj": read_obj, ".ply": read_ply, ".txt": read_ridges}
-SURFACE_READERS = {".obj": read_obj_surface, ".ply": read_ply_surface}
+SURFACE_READERS = {".obj": read_obj_surface, ".ply": read_ply_surface, ".stl": read_stl_surface}
 
 
 def read_curves(paths) -> Reading:
@@ -23,7 +24,7 @@ def read_curves(paths) -> Reading:
 
 
 def read_surface(path):
-    """Points (n, 3) float64 and triangles (m, 3) int64 of a .ply or .obj file."""
+    """Points (n, 3) float64 and triangles (m, 3) int64 of a .ply, .obj or .stl file."""
     return _reader(path, SURFACE_READERS, "a surface")(path)
 
 
