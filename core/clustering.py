@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Clusters of transformations over all pairs of curves (section 4.1.2), refined on the curves they map.
+
+A vote from one short stretch is exact there and wrong far away, so that votes for one transformation lie apart
+in transformation space. Therefore the votes are first ranked by what they explain of the whole network and
+refined on it; then those for one transformation agree to a fraction of an edge length and clustering is easy.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.cluster.hierarchy import fcluster, linkage
+from scipy.spatial.distance import pdist
+
+from .network import CurveNetwork
+from .rigid import exponential, screw_velocity
+from .support import Screen
+from .voting import Votes
+
+
+@dataclass(frozen=True)
+class Clusters:
+    """Transformations that recur. motions : (k, 4, 4) float64, best supported first; support : (k,) float64,
+    length of the network, in edge lengths, that the motion explains; chance : what a wrong motion explains."""
+
+    motions: np.ndarray
+    support: np.ndarray
+    chance: float
+
+    def __len__(self):
+        return len(self.support)
+
+
+PROBES, SURVIVORS, REFINED = 500, 2000, 400
+"""Samples that rank all votes, votes that are ranked on more samples, votes that are refined."""
+
+
+def cluster_votes(
+    network: CurveNetwork, votes: Votes, screen: Screen, *, cluster_translation, cluster_rotation, progress=None
+):
+    """Clusters of the votes.
+
+    Parameters
+    ----------
+    screen : support on all samples, within the final tolerance
+    cluster_translation : edge lengths, between two motions of the network's centre
+    cluster_rotation : degrees
+    """
+    report = (lambda f: progress("clustering", f)) if progress else (lambda f: None)
+    n = len(network.points)
+    if not len(votes):
+        return Clusters(np.zeros((0, 4, 4)), np.zeros(0), chance_support(screen, np.zeros((0, 4, 4))))
+    wide = {"radius": 2 * screen.radius, "threads": screen.threads}
+    motions = votes.motions
+    if len(motions) > SURVIVORS:
+        probe = Screen(network, stride=max(1, n // PROBES), stretch=0, **wide)
+        motions = _best(probe, motions, SURVIVORS, lambda f: report(0.3 * f))
+    middle = Screen(network, stride=3, stretch=10, **wide)
+    motions = _best(middle, motions, REFINED, lambda f: report(0.3 + 0.2 * f))
+    motions = _refined(middle, motions, 4, lambda f: report(0.5 + 0.2 * f))
+    motions = _refined(screen, motions, 2, lambda f: report(0.7 + 0.2 * f))
+    support = screen.score(motions)
+    keep = support > 0
+    motions, support = motions[keep], support[keep]
+    labels = group_motions(motions, cluster_translation, cluster_rotation)
+    order = np.lexsort((-support, labels))
+    lead = np.ones(len(order), bool)
+    lead[1:] = labels[order[1:]] != labels[order[:-1]]
+    motions = screen.refine(motions[order[lead]], 2)
+    support = screen.score(motions)
+    # T and its inverse are one fact: turn all the same way, then group once more.
+    motions = np.where(_backward(motions)[:, None, None], np.linalg.inv(motions), motions)
+    support = np.maximum(support, screen.score(motions))
+    order = np.argsort(-support, kind="stable")
+    motions, support = motions[order], support[order]
+    labels = group_motions(motions, cluster_translation, cluster_rotation)
+    _, lead = np.unique(labels, return_index=True)
+    lead.sort()
+    report(1.0)
+    return Clusters(motions[lead], support[lead], chance_support(screen, motions[lead][:40]))
+
+
+def group_motions(motions, translation, rotation):
+    """(k,) int labels of the hierarchical clustering with complete linkage.
+
+    Two motions are in one cluster when they take the centre to within `translation` edge lengths of each other
+    and their rotations differ by at most `rotation` degrees, and so do all others of the cluster.
+    """
+    if len(motions) < 2:
+        return np.zeros(len(motions), np.int64)
+    r = motions[:, :3, :3].reshape(-1, 9)
+    # |R1 - R2| = 2 sqrt(2) sin(angle / 2) in the Frobenius norm.
+    angle = pdist(r) / (2 * np.sqrt(2) * np.sin(np.radians(rotation) / 2))
+    return fcluster(linkage(np.maximum(angle, pdist(motions[:, :3, 3]) / translation), "complete"), 1.0, "distance")
+
+
+def chance_support(screen: Screen, motions, *, tries=4, seed=0):
+    """Length that motions explain by chance, in edge lengths: those beside the true ones, a few edges and degrees off.
+
+    The network is as dense there as under the true motion, but nothing corresponds. Four in five explain less.
+    """
+    if not len(motions):
+        return 0.0
+    rng = np.random.default_rng(seed)
+    spread = screen.points.std(axis=0)
+    axes = spread / np.linalg.norm(spread)
+    way = rng.normal(size=(len(motions) * tries, 3)) * axes
+    way *= rng.uniform(7, 13, size=(len(way), 1)) / np.linalg.norm(way, axis=1)[:, None]
+    turn = rng.normal(size=way.shape)
+    turn *= np.radians(rng.uniform(4, 8, size=(len(way), 1))) / np.linalg.norm(turn, axis=1)[:, None]
+    support = screen.score(exponential(np.concatenate([turn, way], axis=1)) @ np.repeat(motions, tries, axis=0))
+    return float(np.quantile(support, 0.8))
+
+
+def _backward(motions):
+    """Whether the motion's axis or, without a turn, its translation points against the network's axes."""
+    w, u = screw_velocity(motions)
+    turn = np.linalg.norm(w, axis=1) > np.radians(2)
+    v = np.where(turn[:, None], w, u)
+    lead = np.argmax(np.abs(v) > 0.3 * np.abs(v).max(axis=1, keepdims=True), axis=1)
+    return v[np.arange(len(v)), lead] < 0
+
+
+def _slices(count, report, size):
+    for i in range(0, count, size):
+        yield slice(i, i + size)
+        report(min(1.0, (i + size) / count))
+
+
+def _best(screen, motions, most, report):
+    score = np.concatenate([screen.score(motions[part]) for part in _slices(len(motions), report, 1000)])
+    return motions[np.argsort(-score, kind="stable")[:most]]
+
+
+def _refined(screen, motions, rounds, report):
+    return np.concatenate([screen.refine(motions[part], rounds) for part in _slices(len(motions), report, 100)])

@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The completed network and what became of each input curve (sections 5.1 and 5.2)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .network import CurveNetwork
+from .strong import keeps_alone
+from .templates import Draft, _along, placed
+from .values import CompletedCurve, Completion, InputClasses, Template, Transformation
+
+
+def build_completion(network: CurveNetwork, model, drafts: list[Draft], input_count, parameters, seconds) -> Completion:
+    """Templates and strong curves in world space, and the class of every input curve."""
+    templates, component = [], 0
+    used = sorted({d.transformation for d in drafts})
+    place = {k: i for i, k in enumerate(used)}
+    for k, draft in enumerate(drafts):
+        templates.append(_template(network, draft, k, place[draft.transformation], component))
+        component += len(draft.curves)
+    share, label, owner = classify(network, drafts, radius=1.25 * parameters.epsilon)
+    alone = keeps_alone(
+        network, l0=parameters.l0, keep_length=parameters.keep_length, keep_curvature=parameters.keep_curvature
+    )
+    recurs = share >= 0.5
+    kind = np.where(recurs, "template", np.where(alone, "strong", "noise"))
+    inputs = InputClasses(
+        np.full(input_count, "noise", dtype="<U8"), np.full(input_count, -1), np.full(input_count, -1)
+    )
+    inputs.kind[network.source] = kind
+    transformation = np.array([place[d.transformation] for d in drafts] + [-1], np.int64)[owner]
+    inputs.transformation[network.source] = np.where(recurs, transformation, -1)
+    inputs.component[network.source] = np.where(recurs, label, -1)
+    strong = tuple(
+        CompletedCurve(network.to_world(network.curve(i)), bool(network.closed[i]), -1, 1.0)
+        for i in np.flatnonzero(alone & ~recurs)
+    )
+    transformations = tuple(_transformation(network, model, k, i, drafts) for k, i in place.items())
+    return Completion(network.unit, transformations, tuple(templates), strong, inputs, seconds, {})
+
+
+def _template(network, draft, number, transformation, component):
+    """World value of a draft: template space has the axes of the world at the first occurrence."""
+    points = np.concatenate(draft.curves)
+    centre = (points.min(axis=0) + points.max(axis=0)) / 2
+    turn = network.rotation @ draft.poses[0, :3, :3]
+    occurrences = np.tile(np.eye(4), (len(draft.poses), 1, 1))
+    occurrences[:, :3, :3] = network.rotation @ draft.poses[:, :3, :3] @ turn.T
+    occurrences[:, :3, 3] = network.to_world(draft.poses[:, :3, :3] @ centre + draft.poses[:, :3, 3])
+    curves = tuple(
+        CompletedCurve((c - centre) * network.unit @ turn.T, bool(ring), component + i, float(seen))
+        for i, (c, ring, seen) in enumerate(zip(draft.curves, draft.closed, draft.evidence.mean(axis=0)))
+    )
+    return Template(number, transformation, curves, occurrences, draft.evidence)
+
+
+def _transformation(network, model, k, number, drafts):
+    orbit = model.orbits[k]
+    keys = np.concatenate([d.keys for d in drafts if d.transformation == k and d.keys.shape[1] == len(orbit.twists)])
+    extent = np.stack([np.zeros(keys.shape[1], np.int64), keys.max(axis=0) - keys.min(axis=0)], axis=1)
+    return Transformation(
+        number, orbit.kind, network.motion_to_world(orbit.generators), extent,
+        float(model.log_bayes_factor[k]), float(model.support[k] / network.weights.sum()),
+    )  # fmt: skip
+
+
+def classify(network: CurveNetwork, drafts, *, radius, cosine=0.7):
+    """For each curve: the share that lies along templates, and the component and draft along which most lies.
+
+    Returns (m,) float64, (m,) int64 and (m,) int64; -1 where nothing does. Components are numbered through all
+    drafts: a curve of a template and the same curve at all its occurrences are one component.
+    """
+    m = len(network)
+    if not drafts:
+        return np.zeros(m), np.full(m, -1), np.full(m, -1)
+    points, tangents, component, owner = [], [], [], []
+    first = 0
+    for k, draft in enumerate(drafts):
+        p, t, _, c = placed(draft)
+        points.append(p)
+        tangents.append(t)
+        component.append(c + first)
+        owner.append(np.full(len(c), k))
+        first += len(draft.curves)
+    component, owner = np.concatenate(component), np.concatenate(owner)
+    hit, near = _along(network, np.concatenate(points), np.concatenate(tangents), radius, cosine)
+    curve, label = network.curve_of[hit], component[near[hit]]
+    votes = np.zeros((m, first))
+    np.add.at(votes, (curve, label), network.weights[hit])
+    best = votes.argmax(axis=1)
+    any_ = votes.max(axis=1) > 0
+    draft_of = np.repeat(np.arange(len(drafts)), [len(d.curves) for d in drafts])
+    share = np.bincount(curve, minlength=m) / np.diff(network.offsets)
+    return share, np.where(any_, best, -1), np.where(any_, draft_of[best], -1)

@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Consolidation (section 5.2): from overlaid occurrences to one clean curve where the object has one.
+
+The paper selects one of the occurrences by shortest paths. Here the occurrences are first averaged, being
+repeated measurements of one curve; the longest shortest paths then run through the averages.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components, dijkstra
+from scipy.spatial import cKDTree
+
+SPACING, LINK, SHORTEST = 0.7, 2.6, 5.0
+"""Distance of the nodes, longest edge between them, shortest curve that is kept; edge lengths."""
+
+
+def condense(points, tangents, weight, *, radius, rounds=3, cosine=0.75):
+    """Points moved onto the middle line of those around them that run the same way.
+
+    Returns (n, 3) points and (n, 3) tangents. Each round takes the weighted mean across the tangent within
+    `radius`, which shrinks by a third a round, and the main direction of the neighbours' tangents.
+    """
+    points, tangents = points.copy(), tangents.copy()
+    for _ in range(rounds):
+        i, j, w = _pairs(points, tangents, weight, radius, cosine)
+        total = np.bincount(i, w, minlength=len(points))
+        offset = points[j] - points[i]
+        offset -= tangents[i] * (offset * tangents[i]).sum(1)[:, None]
+        move = np.stack([np.bincount(i, w * offset[:, c], minlength=len(points)) for c in range(3)], 1)
+        points = points + move / total[:, None]
+        sign = np.sign((tangents[i] * tangents[j]).sum(1))
+        line = np.stack([np.bincount(i, w * sign * tangents[j, c], minlength=len(points)) for c in range(3)], 1)
+        tangents = line / np.maximum(np.linalg.norm(line, axis=1), 1e-12)[:, None]
+        radius *= 2 / 3
+    return points, tangents
+
+
+def _pairs(points, tangents, weight, radius, cosine):
+    """Neighbours (i, j) within radius and with like tangents, each point with itself, and their weights."""
+    tree = cKDTree(points)
+    pair = tree.query_pairs(radius, output_type="ndarray")
+    own = np.arange(len(points))
+    i, j = np.concatenate([pair[:, 0], pair[:, 1], own]), np.concatenate([pair[:, 1], pair[:, 0], own])
+    good = np.abs((tangents[i] * tangents[j]).sum(1)) > cosine
+    i, j = i[good], j[good]
+    square = ((points[i] - points[j]) ** 2).sum(1)
+    return i, j, weight[j] * np.exp(-0.5 * square / (radius / 2) ** 2)
+
+
+def trace_curves(points, tangents, *, shortest=SHORTEST):
+    """Longest shortest paths through points that lie along curves.
+
+    Returns a list of (points (k, 3) float64, closed bool), longest first.
+    """
+    if len(points) < 2:
+        return []
+    pick = _spread(points, SPACING)
+    points, tangents = points[pick], tangents[pick]
+    graph = _graph(points, tangents)
+    alive = np.ones(len(points), bool)
+    tree = cKDTree(points)
+    curves = []
+    while alive.any():
+        nodes = np.flatnonzero(alive)
+        part = graph[nodes][:, nodes]
+        number, label = connected_components(part, directed=False)
+        found = False
+        for c in range(number):
+            member = np.flatnonzero(label == c)
+            if len(member) < 3:
+                alive[nodes[member]] = False
+                continue
+            path = _longest_shortest_path(part[member][:, member])
+            path = nodes[member[path]]
+            length = np.linalg.norm(np.diff(points[path], axis=0), axis=1).sum()
+            near = np.unique(np.concatenate(tree.query_ball_point(points[path], 1.5)).astype(np.int64))
+            line = tangents[path[tree_nearest(points[path], points[near])]]
+            same = np.abs((line * tangents[near]).sum(1)) > 0.6
+            alive[near[same]] = False
+            alive[path] = False
+            if length >= shortest:
+                curves.append(points[path])
+                found = True
+        del found
+    return sorted(curves, key=lambda p: -len(p))
+
+
+def tree_nearest(line, points):
+    """(n,) int64, the point of a line (k, 3) nearest to each point."""
+    return cKDTree(line).query(points)[1]
+
+
+def _spread(points, spacing):
+    """One point a voxel of the given size, the one nearest to the mean of the voxel's points."""
+    key = np.floor(points / spacing).astype(np.int64)
+    _, cell = np.unique(key, axis=0, return_inverse=True)
+    cell = cell.ravel()
+    count = np.bincount(cell)
+    mean = np.stack([np.bincount(cell, points[:, c]) for c in range(3)], 1) / count[:, None]
+    distance = ((points - mean[cell]) ** 2).sum(1)
+    order = np.lexsort((distance, cell))
+    first = np.ones(len(order), bool)
+    first[1:] = cell[order[1:]] != cell[order[:-1]]
+    return order[first]
+
+
+def _graph(points, tangents):
+    """Edges between nodes that follow each other along their tangents, weighted by their length."""
+    pair = cKDTree(points).query_pairs(LINK, output_type="ndarray")
+    i, j = pair.T
+    edge = points[j] - points[i]
+    length = np.linalg.norm(edge, axis=1)
+    way = edge / np.maximum(length, 1e-9)[:, None]
+    short = length < 0.8
+    good = np.abs((tangents[i] * tangents[j]).sum(1)) > 0.7
+    along_i, along_j = np.abs((way * tangents[i]).sum(1)), np.abs((way * tangents[j]).sum(1))
+    good &= short | ((along_i > 0.75) & (along_j > 0.75))
+    i, j, length = i[good], j[good], length[good]
+    # A little more than the length: many short steps are better than one long one over a gap.
+    cost = np.maximum(length, 1e-6) ** 1.5
+    n = len(points)
+    return coo_matrix((np.r_[cost, cost], (np.r_[i, j], np.r_[j, i])), shape=(n, n)).tocsr()
+
+
+def _longest_shortest_path(graph):
+    """Nodes of the longest shortest path of a connected graph, found by two sweeps (exact on trees)."""
+    start = 0
+    for _ in range(2):
+        distance, before = dijkstra(graph, indices=start, return_predecessors=True)
+        start, end = int(np.argmax(np.where(np.isfinite(distance), distance, -1))), start
+    path, at = [start], start
+    while before[at] >= 0:
+        at = before[at]
+        path.append(at)
+    del end
+    return np.array(path)
+
+
+def fit_curves(paths, points, tangents, weight, *, radius=1.5, smoothing=1.0):
+    """Smooth curves along paths through the points, one edge length between their samples.
+
+    Pieces that continue each other are joined first; a path whose ends meet is closed.
+    Returns a list of (k, 3) points and a list of bool.
+    """
+    from .linking import join_paths
+    from .network import resample_polyline, smooth_polyline
+
+    curves, closed = [], []
+    for path, ring in join_paths(paths):
+        line = resample_polyline(path, 1.0, ring)
+        line = smooth_polyline(line, smoothing, ring)
+        line = _pull(line, points, tangents, weight, radius, ring)
+        line = resample_polyline(smooth_polyline(line, smoothing, ring), 1.0, ring)
+        curves.append(line)
+        closed.append(ring)
+    return curves, closed
+
+
+def _pull(line, points, tangents, weight, radius, ring):
+    """Samples of a line moved across it to the weighted mean of the points around them."""
+    step = np.roll(line, -1, 0) - np.roll(line, 1, 0) if ring else np.gradient(line, axis=0)
+    way = step / np.maximum(np.linalg.norm(step, axis=1), 1e-12)[:, None]
+    near = cKDTree(points).query_ball_point(line, radius)
+    i = np.repeat(np.arange(len(line)), [len(k) for k in near])
+    if not len(i):
+        return line
+    j = np.concatenate([np.asarray(k, np.int64) for k in near])
+    good = np.abs((way[i] * tangents[j]).sum(1)) > 0.75
+    i, j = i[good], j[good]
+    offset = points[j] - line[i]
+    offset -= way[i] * (offset * way[i]).sum(1)[:, None]
+    total = np.maximum(np.bincount(i, weight[j], minlength=len(line)), 1e-12)
+    move = np.stack([np.bincount(i, weight[j] * offset[:, c], minlength=len(line)) for c in range(3)], 1)
+    return line + move / total[:, None]

@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pieces of one curve joined where they continue each other: a small gap that both ends point across."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+
+def join_paths(paths, *, gap=6.0, angle=35.0, reach=6):
+    """Join open paths end to end.
+
+    Parameters
+    ----------
+    paths : list of (k, 3) float64, edge lengths
+    gap : longest gap; angle : largest angle, in degrees, between an end's direction and the gap or the other end
+    reach : samples from which an end takes its direction
+
+    Returns
+    -------
+    list of (points, closed), in the order of their first piece. Best fitting ends are joined first; an end is
+    joined once. A path whose own ends fit becomes closed.
+    """
+    if not paths:
+        return []
+    tip = np.concatenate([[p[0], p[-1]] for p in paths])
+    way = np.concatenate([[_outward(p[::1], reach), _outward(p[::-1], reach)] for p in paths])
+    partner = match_ends(tip, way, np.repeat(np.arange(len(paths)), 2), [len(p) for p in paths], gap, angle)
+    out, used = [], np.zeros(len(paths), bool)
+    for i in range(len(paths)):
+        if used[i]:
+            continue
+        chain, closed = _chain(i, partner)
+        used[[end // 2 for end in chain]] = True
+        out.append((np.concatenate([paths[e // 2] if e % 2 == 0 else paths[e // 2][::-1] for e in chain]), closed))
+    return out
+
+
+def _outward(path, reach):
+    """Direction in which a path leaves through its first point."""
+    k = min(reach, len(path) - 1)
+    v = path[0] - path[k]
+    return v / max(np.linalg.norm(v), 1e-12)
+
+
+def match_ends(tip, way, owner, size, gap, angle):
+    """(e,) int64, the end that each end is joined to, or -1; a matching that takes the best pairs first."""
+    partner = np.full(len(tip), -1)
+    pair = cKDTree(tip).query_pairs(gap, output_type="ndarray")
+    if not len(pair):
+        return partner
+    i, j = pair.T
+    across = tip[j] - tip[i]
+    length = np.linalg.norm(across, axis=1)
+    line = across / np.maximum(length, 1e-12)[:, None]
+    facing = -(way[i] * way[j]).sum(1)
+    out_i, out_j = (line * way[i]).sum(1), -(line * way[j]).sum(1)
+    limit = np.cos(np.radians(angle))
+    near = length < 1.5
+    good = (facing > limit) & (near | ((out_i > limit) & (out_j > limit)))
+    # A path closes on itself only if it is much longer than the gap.
+    own = owner[i] == owner[j]
+    good &= ~own | (np.asarray(size)[owner[i]] > 4 * np.maximum(length, 2))
+    i, j, cost = i[good], j[good], (length + 4 * (1 - facing))[good]
+    for k in np.lexsort((j, i, cost)):
+        if partner[i[k]] < 0 and partner[j[k]] < 0:
+            partner[i[k]], partner[j[k]] = j[k], i[k]
+    return partner
+
+
+def _chain(start, partner):
+    """Ends through which a chain of paths is entered, from its beginning, and whether it is closed."""
+    end = 2 * start
+    seen = {end // 2}
+    while partner[end] >= 0:
+        end = partner[end] ^ 1
+        if end // 2 in seen:
+            return _forward(2 * start, partner), True
+        seen.add(end // 2)
+    return _forward(end, partner), False
+
+
+def _forward(entry, partner):
+    chain, at = [entry], entry
+    while True:
+        nxt = partner[at ^ 1]
+        if nxt < 0 or nxt == entry:
+            return chain
+        chain.append(nxt)
+        at = nxt

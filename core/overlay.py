@@ -1,0 +1,201 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Occurrences laid over each other (section 5.2): samples taken back into one common cell, and what agrees there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from .network import CurveNetwork
+from .orbits import Orbit
+from .rigid import inverse
+from .support import long_stretches
+
+
+@dataclass(frozen=True)
+class Overlay:
+    """Samples of all occurrences in the frame of the first.
+
+    points, tangents : (n, 3) float64; cell : (n,) int64, the occurrence each sample comes from
+    sample : (n,) int64, index into the network's samples
+    inner : (n,) bool, False for copies in a margin beyond the cell, there to give the samples inside neighbours
+    run : (n,) int64, changes where a stretch of consecutive samples ends; samples are in order of cell and curve
+    poses : (a, 4, 4) float64, common cell to network
+    keys : (a, g) int64, the powers of the generators of each occurrence, or its number
+    """
+
+    points: np.ndarray
+    tangents: np.ndarray
+    cell: np.ndarray
+    sample: np.ndarray
+    inner: np.ndarray
+    run: np.ndarray
+    poses: np.ndarray
+    keys: np.ndarray
+
+
+def fold_orbit(network: CurveNetwork, orbit: Orbit, samples, weight, *, margin=10.0) -> Overlay:
+    """Overlay of the cells of an orbit.
+
+    Parameters
+    ----------
+    samples : (k,) int64, samples that take part
+    weight : (k,) float64, how much each says about where the cells begin: the cut goes where least is cut
+    """
+    points = network.points[samples]
+    u, reach = cell_coordinates(orbit, points, margin)
+    u = u - best_cut(u, weight)
+    low = np.floor(u).astype(np.int64)
+    index, key, inner = [np.arange(len(u))], [low], [np.ones(len(u), bool)]
+    fraction = u - low
+    for axis in range(u.shape[1]):
+        for side in (-1, 1):
+            near = fraction[:, axis] < reach[:, axis] if side < 0 else fraction[:, axis] > 1 - reach[:, axis]
+            for i, k in zip(list(index), list(key)):
+                pick = near[i]
+                shifted = k[pick].copy()
+                shifted[:, axis] += side
+                index.append(i[pick])
+                key.append(shifted)
+                inner.append(np.zeros(pick.sum(), bool))
+    index, key, inner = np.concatenate(index), np.concatenate(key), np.concatenate(inner)
+    if orbit.closed:
+        key %= orbit.count[0] + 1
+    whole = np.concatenate([index[:, None], key], axis=1)
+    _, first = np.unique(whole, axis=0, return_index=True)
+    index, key, inner = index[first], key[first], inner[first]
+    keys, cell = np.unique(key, axis=0, return_inverse=True)
+    return _overlay(network, samples[index], cell.ravel(), inner, orbit.power(keys), keys)
+
+
+def fold_poses(network: CurveNetwork, poses, region, *, reach=6.0) -> Overlay:
+    """Overlay of the parts of the network near a region, (k, 3) points, placed by each of the poses."""
+    tree = cKDTree(network.points)
+    samples, cells = [], []
+    for a, pose in enumerate(poses):
+        placed = region @ pose[:3, :3].T + pose[:3, 3]
+        near = cKDTree(placed).query(network.points, distance_upper_bound=reach)[0] < reach
+        samples.append(np.flatnonzero(near))
+        cells.append(np.full(len(samples[-1]), a))
+    del tree
+    samples, cells = np.concatenate(samples), np.concatenate(cells)
+    return _overlay(network, samples, cells, np.ones(len(samples), bool), poses, np.arange(len(poses))[:, None])
+
+
+def _overlay(network, sample, cell, inner, poses, keys):
+    order = np.lexsort((sample, cell))
+    sample, cell, inner = sample[order], cell[order], inner[order]
+    back = inverse(poses)[cell]
+    points = np.einsum("nij,nj->ni", back[:, :3, :3], network.points[sample]) + back[:, :3, 3]
+    tangents = np.einsum("nij,nj->ni", back[:, :3, :3], network.tangents[sample])
+    new = np.ones(len(sample), bool)
+    curve = network.curve_of[sample]
+    new[1:] = (np.diff(cell) != 0) | (np.diff(sample) > 2) | (np.diff(curve) != 0)
+    return Overlay(points, tangents, cell, sample, inner, np.cumsum(new), poses, keys)
+
+
+def cell_coordinates(orbit: Orbit, points, margin):
+    """Real powers (n, g) of the generators at which points lie, and the margin in the same unit.
+
+    Translations: coefficients in the generators' basis, shear included. Rotations: angle about the axis over the
+    step. Screws: the angle, with the turn that the way along the axis asks for.
+    """
+    if orbit.kind in ("translation", "grid") or not np.linalg.norm(orbit.twists[0, :3]) > 1e-9:
+        g = orbit.twists[:, 3:]
+        u = points @ np.linalg.pinv(g)
+        return u, np.broadcast_to(np.minimum(margin / np.linalg.norm(g, axis=1), 0.3), u.shape)
+    w, v = orbit.twists[0, :3], orbit.twists[0, 3:]
+    step = np.linalg.norm(w)
+    axis = w / step
+    centre = np.cross(w, v) / step**2
+    x = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
+    x /= np.linalg.norm(x)
+    local = points - centre
+    across, up = local @ x, local @ np.cross(axis, x)
+    radius = np.hypot(across, up)
+    angle = np.arctan2(up, across)
+    pitch = (axis @ v) / step
+    if orbit.kind == "screw" and abs(pitch) > 1e-9:
+        angle = angle + 2 * np.pi * np.round(((local @ axis) / pitch - angle) / (2 * np.pi))
+    u = (angle / step)[:, None]
+    if orbit.closed:
+        u %= orbit.count[0] + 1
+    return u, np.minimum(margin / np.maximum(radius * step, 1e-9), 0.3)[:, None]
+
+
+def best_cut(u, weight, bins=96):
+    """Offsets (g,) of the cells that cut the least of the curves (grid origin, section 5.2)."""
+    cut = np.zeros(u.shape[1])
+    for axis in range(u.shape[1]):
+        place = np.floor((u[:, axis] % 1) * bins).astype(np.int64) % bins
+        amount = np.bincount(place, weight, minlength=bins)
+        k = np.arange(-4, 5)
+        smooth = sum(np.roll(amount, j) * (5 - abs(j)) for j in k)
+        low = smooth <= smooth.min() + 0.02 * (np.median(smooth) - smooth.min()) + 1e-12
+        # The middle of the widest gap.
+        run = _longest_run(low)
+        cut[axis] = (run + 0.5) / bins
+    return cut
+
+
+def _longest_run(low):
+    twice = np.concatenate([low, low])
+    best, length, at = 0, 0, int(np.argmax(low))
+    for i, flag in enumerate(twice):
+        length = length + 1 if flag else 0
+        if length > best and length <= len(low):
+            best, at = length, i - length // 2
+    return at % len(low)
+
+
+def agreement(overlay: Overlay, *, radius, cosine=0.8, stretch=8, shifts=None, progress=None):
+    """How many other occurrences show what a sample shows, and where on average.
+
+    Parameters
+    ----------
+    radius : edge lengths; cosine : least cosine of the tangents; stretch : shortest run of agreeing samples
+    shifts : (a, 3) displacements of the occurrences against each other, to learn what chance gives
+
+    Returns
+    -------
+    count : (n,) int64, other occurrences that agree along a stretch
+    mean : (n, 3) float64, the sample's place averaged with theirs, across the curve
+    """
+    n, cells = len(overlay.points), len(overlay.poses)
+    points = overlay.points if shifts is None else overlay.points + shifts[overlay.cell]
+    count, mean, total = np.zeros(n, np.int64), points.copy(), np.ones(n)
+    for b in range(cells):
+        other = np.flatnonzero(overlay.cell == b)
+        rest = np.flatnonzero(overlay.cell != b)
+        if not len(other) or not len(rest):
+            continue
+        tree = cKDTree(points[other])
+        distance, near = tree.query(points[rest], k=2, distance_upper_bound=radius, workers=-1)
+        hit, foot = np.zeros(n, bool), np.zeros((n, 3))
+        for k in (1, 0):
+            found = np.isfinite(distance[:, k])
+            i, j = rest[found], other[near[found, k]]
+            line = overlay.tangents[j]
+            good = np.abs((overlay.tangents[i] * line).sum(1)) > cosine
+            i, j, line = i[good], j[good], line[good]
+            hit[i] = True
+            foot[i] = points[j] + line * ((points[i] - points[j]) * line).sum(1)[:, None]
+        hit = long_stretches(hit[None], overlay.run, stretch)[0]
+        count += hit
+        mean[hit] += foot[hit]
+        total[hit] += 1
+        if progress:
+            progress((b + 1) / cells)
+    return count, mean / total[:, None]
+
+
+def chance_shifts(overlay: Overlay, seed=0):
+    """Displacements (a, 3) of 7 to 13 edge lengths, in the directions in which the cell extends."""
+    rng = np.random.default_rng(seed)
+    centre = overlay.points - overlay.points.mean(axis=0)
+    values, axes = np.linalg.eigh(centre.T @ centre / len(centre))
+    way = (rng.normal(size=(len(overlay.poses), 3)) * np.sqrt(np.maximum(values, 0))) @ axes.T
+    way /= np.maximum(np.linalg.norm(way, axis=1), 1e-12)[:, None]
+    return way * rng.uniform(7, 13, size=(len(way), 1))

@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The whole method: a noisy feature curve network in, a completed one out."""
+
+from __future__ import annotations
+
+import os
+import time
+
+import numpy as np
+
+from .blast import feature_blast
+from .clustering import cluster_votes
+from .completion import build_completion
+from .errors import InputError
+from .network import build_network, estimate_edge_length
+from .orbits import detect_orbits
+from .parameters import Parameters
+from .selection import select_model
+from .strong import strong_curves
+from .support import Screen
+from .templates import extract_templates
+from .values import Completion, Curves
+from .voting import vote
+
+
+def complete(curves: Curves, *, edge_length=None, parameters: Parameters | None = None, progress=None) -> Completion:
+    """Find what recurs in a feature curve network, and complete the network by it.
+
+    Parameters
+    ----------
+    curves : scene units, any pose; never modified
+    edge_length : scene units; None estimates it from the curves
+    progress : called as progress(stage, fraction) with the stages blast, voting, clustering, orbits, selection
+        and completion; may raise Cancelled, which is passed on
+
+    Raises
+    ------
+    InputError : names the value and the remedy
+    """
+    p = (parameters or Parameters()).validate()
+    threads = p.threads or os.cpu_count() or 1
+    if edge_length is None:
+        edge_length = estimate_edge_length(curves)
+    seconds, clock = {}, _Clock(progress)
+    network = build_network(curves, edge_length=edge_length, smoothing=p.smoothing)
+    strong = strong_curves(network, l0=p.l0, strong_curvature=p.strong_curvature)
+    if not len(strong):
+        longest = network.lengths.max()
+        raise InputError(
+            f"no curve is strong: none is longer than l0 = {p.l0:g} edge lengths, the longest has {longest:.1f}; "
+            f"try l0 = {max(4, int(0.5 * longest))}, or check the edge length {edge_length:g}"
+        )
+    with clock.stage("blast", seconds):
+        matches = feature_blast(
+            network, strong, l0=p.l0, s=p.s, t=p.t, delta_l=p.delta_l, block=p.block, threads=threads,
+            progress=clock.progress,
+        )  # fmt: skip
+    with clock.stage("voting", seconds):
+        votes = vote(network, matches, bin_translation=p.bin_translation, bin_rotation=p.bin_rotation)
+    with clock.stage("clustering", seconds):
+        screen = Screen(network, radius=p.epsilon, threads=threads)
+        clusters = cluster_votes(
+            network, votes, screen, cluster_translation=p.cluster_translation, cluster_rotation=p.cluster_rotation,
+            progress=clock.progress,
+        )  # fmt: skip
+    with clock.stage("orbits", seconds):
+        orbits = detect_orbits(network, clusters, screen, progress=clock.progress)
+    with clock.stage("selection", seconds):
+        model = select_model(
+            network, orbits, screen, l0=p.l0, t=p.t, bayes_ratio=p.bayes_ratio, progress=clock.progress
+        )
+    with clock.stage("completion", seconds):
+        drafts = extract_templates(network, model, clusters, screen, epsilon=p.epsilon, progress=clock.progress)
+        completion = build_completion(network, model, drafts, len(curves), p, seconds)
+    counts = np.diff(network.offsets)
+    completion.work.update(
+        strong_curves=len(strong), strong_samples=int(counts[strong].sum()), point_pairs=matches.point_pairs,
+        matches=len(matches), transformations=len(clusters),
+    )  # fmt: skip
+    return completion
+
+
+class _Clock:
+    """Times the stages and reports the beginning and end of each."""
+
+    def __init__(self, progress):
+        self.progress = progress or (lambda stage, fraction: None)
+
+    def stage(self, name, seconds):
+        return _Stage(self, name, seconds)
+
+
+class _Stage:
+    def __init__(self, clock, name, seconds):
+        self.clock, self.name, self.seconds = clock, name, seconds
+
+    def __enter__(self):
+        self.clock.progress(self.name, 0.0)
+        self.began = time.perf_counter()
+
+    def __exit__(self, kind, value, trace):
+        self.seconds[self.name] = time.perf_counter() - self.began
+        if kind is None:
+            self.clock.progress(self.name, 1.0)

@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bayesian model selection (section 4.2): the few transformations that explain the curves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .network import CurveNetwork
+from .orbits import Orbit
+from .rigid import inverse
+from .support import Screen, long_stretches
+
+
+@dataclass(frozen=True)
+class Model:
+    """The selected transformations.
+
+    orbits : the transformations that are kept, most support first
+    log_bayes_factor : (k,) float64, log K of the model with each against the model without it
+    of_curve : (m,) int64, the transformation that generated each curve (index into `orbits`), -1 for T_null
+    hits : (k, n) int64, occurrences that show each sample under each transformation
+    support : (k,) float64, length of the samples that recur under each, edge lengths
+    """
+
+    orbits: list[Orbit]
+    log_bayes_factor: np.ndarray
+    of_curve: np.ndarray
+    hits: np.ndarray
+    support: np.ndarray
+
+
+def select_model(network: CurveNetwork, orbits, screen: Screen, *, l0, t, bayes_ratio, progress=None) -> Model:
+    """Remove transformations until the Bayes ratio says that one is needed (section 4.2.2)."""
+    affinities, hits = [], []
+    for k, orbit in enumerate(orbits):
+        a, h = curve_affinities(network, orbit, screen, t=t)
+        affinities.append(a)
+        hits.append(h)
+        if progress:
+            progress("selection", (k + 1) / (len(orbits) + 1))
+    if not orbits:
+        none = np.full(len(network), -1)
+        return Model([], np.zeros(0), none, np.zeros((0, len(network.points)), np.int64), np.zeros(0))
+    affinity = np.array(affinities)
+    null = l0 * np.exp(-2.0)
+    kept, loss, best = eliminate(affinity, null, bayes_ratio)
+    hits = np.array(hits)[kept]
+    support = (hits > 0) @ network.weights
+    order = np.argsort(-support, kind="stable")
+    place = np.full(len(kept) + 1, -1)
+    place[order] = np.arange(len(order))
+    return Model([orbits[kept[i]] for i in order], loss[order], place[best], hits[order], support[order])
+
+
+def curve_affinities(network: CurveNetwork, orbit: Orbit, screen: Screen, *, t):
+    """Average Feature BLAST affinity of every curve under a transformation, summed over its recurrences.
+
+    Returns (m,) float64 and (n,) int64, the recurrences that show each sample. The motion being given, a match is
+    an unbroken stretch of samples on the network; its samples have affinity l exp(-d / (0.5 t)), others 0.
+    """
+    n = len(network.points)
+    powers = orbit.generators if orbit.kind == "single" else orbit.power(orbit.powers)
+    if orbit.kind == "single":
+        powers = np.concatenate([powers, inverse(powers)])
+    total, hits = np.zeros(n), np.zeros(n, np.int64)
+    counts = np.diff(network.offsets)
+    least = np.minimum(screen.least, counts)[network.curve_of]
+    for i in range(0, len(powers), max(1, 400_000 // n)):
+        part = powers[i : i + max(1, 400_000 // n)]
+        near, hit = screen.nearest(part)
+        hit = long_stretches(hit, screen.curve, least)
+        moved = network.points @ np.swapaxes(part[:, :3, :3], 1, 2) + part[:, None, :3, 3]
+        offset = moved - network.points[near]
+        line = network.tangents[near]
+        offset -= line * (offset * line).sum(-1)[..., None]
+        distance = np.sqrt((offset**2).sum(-1))
+        for h, d in zip(hit, distance):
+            if not h.any():
+                continue
+            begin = h & np.concatenate([[True], ~h[:-1] | (network.curve_of[1:] != network.curve_of[:-1])])
+            label = (np.cumsum(begin) - 1)[h]
+            length = np.bincount(label, network.weights[h])
+            mean = np.bincount(label, d[h]) / np.bincount(label)
+            total[h] += (length * np.exp(-mean / (0.5 * t)))[label]
+        hits += hit.sum(axis=0)
+    return np.add.reduceat(total, network.offsets[:-1]) / counts, hits
+
+
+def eliminate(affinity, null, bayes_ratio):
+    """Greedy elimination on the affinities (k, m) of k transformations and m curves.
+
+    Removing one changes only the curves it explains best, from their best to their second best affinity, so that
+    a step costs O(m). The likelihood never rises by a removal: it ends when the least loss exceeds log K.
+
+    Returns
+    -------
+    kept : list of int; loss : (len(kept),) float64, log K of each; best : (m,) int64, index into kept, len(kept)
+    for T_null
+    """
+    k, m = affinity.shape
+    score = np.log(np.maximum(np.concatenate([affinity, np.full((1, m), null)]), null))
+    # T_null explains what nothing explains better; at equal likelihood the earlier transformation wins.
+    alive = np.ones(k + 1, bool)
+    order = np.argsort(-score, axis=0, kind="stable")
+    order = np.where(np.take_along_axis(score, order, 0) > np.log(null), order, k)
+    first, second = np.zeros(m, np.int64), np.ones(m, np.int64)
+    column = np.arange(m)
+    while True:
+        best, next_ = order[first, column], order[np.minimum(second, k), column]
+        gain = score[best, column] - score[next_, column]
+        loss = np.bincount(best, gain, minlength=k + 1)[:k]
+        candidates = np.flatnonzero(alive[:k])
+        if not len(candidates):
+            break
+        worst = candidates[np.argmin(loss[candidates])]
+        if loss[worst] > np.log(bayes_ratio):
+            break
+        alive[worst] = False
+        for c in np.flatnonzero((best == worst) | (next_ == worst)):
+            left = np.flatnonzero(alive[order[:, c]])
+            first[c] = left[0]
+            second[c] = left[1] if len(left) > 1 else left[0]
+    kept = np.flatnonzero(alive[:k])
+    place = np.full(k + 1, len(kept))
+    place[kept] = np.arange(len(kept))
+    return list(kept), loss[kept], place[order[first, column]]

@@ -1,0 +1,235 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a motion explains: samples that it takes onto the network along stretches, not here and there.
+
+A sample is supported when the motion takes it to within a radius of a sample with the same tangent line, and
+so do its neighbours along the curve for at least `stretch` edge lengths. Single hits are what chance gives in
+a dense network; whole stretches are not.
+"""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from .network import CurveNetwork
+from .rigid import best_rotation, exponential, inverse, motion, screw_velocity
+
+
+class NeighbourField:
+    """Nearest sample of the network by table look-up: one entry a voxel, exact to half a voxel.
+
+    points : (n, 3) in the network's frame, where the box around them is tight
+    radius : look-ups farther than this from every sample give -1
+    """
+
+    def __init__(self, points, radius, *, voxel=None, most=1 << 26):
+        self.low = points.min(axis=0) - radius
+        extent = points.max(axis=0) + radius - self.low
+        voxel = radius / 2 if voxel is None else voxel
+        while np.prod(np.ceil(extent / voxel) + 1) > most:
+            voxel *= 1.2
+        self.voxel = voxel
+        self.shape = (np.ceil(extent / voxel) + 1).astype(np.int64)
+        self.strides = np.array([self.shape[1] * self.shape[2], self.shape[2], 1])
+        reach = int(np.ceil(radius / voxel))
+        k = np.arange(-reach, reach + 1)
+        ball = np.stack(np.meshgrid(k, k, k, indexing="ij"), -1).reshape(-1, 3)
+        ball = ball[np.linalg.norm(np.maximum(np.abs(ball) - 1, 0), axis=1) * voxel <= radius]
+        cell = np.unique(((points - self.low) / voxel).astype(np.int64) @ self.strides)
+        cell = np.stack(np.unravel_index(cell, self.shape), axis=1)
+        near = np.zeros(np.prod(self.shape), bool)
+        for offset in ball:
+            at = cell + offset
+            at = at[((at >= 0) & (at < self.shape)).all(axis=1)]
+            near[at @ self.strides] = True
+        near = np.flatnonzero(near)
+        centre = (np.stack(np.unravel_index(near, self.shape), axis=1) + 0.5) * voxel + self.low
+        distance, sample = cKDTree(points).query(centre, distance_upper_bound=radius + voxel, workers=-1)
+        self.table = np.full(np.prod(self.shape), -1, np.int32)
+        found = np.isfinite(distance)
+        self.table[near[found]] = sample[found]
+
+    def look_up(self, x, y, z):
+        """Nearest samples (...,) int32, or -1, at voxel coordinates (...,) int32."""
+        inside = (x >= 0) & (y >= 0) & (z >= 0)
+        inside &= (x < self.shape[0]) & (y < self.shape[1]) & (z < self.shape[2])
+        key = x * np.int32(self.strides[0])
+        key += y * np.int32(self.strides[1])
+        key += z
+        key *= inside
+        near = self.table[key]
+        near[~inside] = -1
+        return near
+
+
+def long_stretches(hit, run_of, least):
+    """Of boolean samples (h, n), those in unbroken stretches of at least `least` samples of one run.
+
+    run_of : (n,) int64, changes where a new curve begins
+    least : int or (n,) int64
+    """
+    h, n = hit.shape
+    new = np.ones(n, bool)
+    new[1:] = run_of[1:] != run_of[:-1]
+    at = np.arange(n)
+    begin = hit & (new | ~np.concatenate([np.zeros((h, 1), bool), hit[:, :-1]], axis=1))
+    start = np.maximum.accumulate(np.where(begin | ~hit, at, 0), axis=1)
+    ends = np.concatenate([new[1:], [True]])
+    end = hit & (ends | ~np.concatenate([hit[:, 1:], np.zeros((h, 1), bool)], axis=1))
+    stop = np.minimum.accumulate(np.where(end | ~hit, at, n)[:, ::-1], axis=1)[:, ::-1]
+    return hit & (stop - start + 1 >= least)
+
+
+def slips(motions, points, tangents, cosine=0.95):
+    """Where a curve runs along the motion itself, (h, n) bool: shifted a little further it would fit as well.
+
+    A motion is one moment of the screw motion v(p) = w x p + u that leads to it. A straight line along a
+    translation and a circle about a rotation axis fit at every moment; that they fit at this one tells nothing.
+    """
+    w, u = screw_velocity(motions)
+    v = np.cross(w[:, None, :], points[None]) + u[:, None, :]
+    along = np.abs((v * tangents).sum(-1))
+    return along > cosine * np.linalg.norm(v, axis=-1)
+
+
+class Screen:
+    """Support of many motions at once on every `stride`-th sample, by table look-up.
+
+    Parameters
+    ----------
+    radius : largest distance of a sample from the network after the motion
+    cosine : least cosine between the tangents
+    stretch : shortest supported stretch
+    still : a sample that moves less is no recurrence
+    """
+
+    def __init__(self, network: CurveNetwork, *, radius, stride=1, cosine=0.8, stretch=8.0, still=4.0, threads=1):
+        self.field = NeighbourField(network.points, radius)
+        pick = np.arange(0, len(network.points), stride)
+        self.points, self.tangents = network.points[pick], network.tangents[pick]
+        self.homogeneous = np.concatenate([self.points, np.ones((len(pick), 1))], axis=1).astype(np.float32)
+        self.lines = self.tangents.astype(np.float32)
+        self.all_points, self.all_tangents = network.points, network.tangents
+        self.all_lines = network.tangents.astype(np.float32)
+        self.curve = network.curve_of[pick]
+        self.weight = network.weights[pick] * stride
+        self.least = max(1, int(np.ceil(stretch / stride)))
+        self.radius, self.cosine, self.still, self.threads = radius, cosine, still, threads
+
+    def nearest(self, motions):
+        """Nearest samples (h, n) int32 of the moved samples and which of them agree (h, n) bool."""
+        h, n = len(motions), len(self.points)
+        to_voxel = np.eye(4)
+        to_voxel[:3] /= self.field.voxel
+        to_voxel[:3, 3] = -self.field.low / self.field.voxel
+        rows = (to_voxel @ motions)[:, :3, :].reshape(-1, 4).astype(np.float32)
+        at = (rows @ self.homogeneous.T).reshape(h, 3, n).astype(np.int32)
+        near = self.field.look_up(at[:, 0], at[:, 1], at[:, 2])
+        i, k = np.nonzero(near >= 0)
+        target = near[i, k]
+        turn = (motions[:, :3, :3].reshape(-1, 3).astype(np.float32) @ self.lines.T).reshape(h, 3, n)
+        cosine = sum(turn[i, c, k] * self.all_lines[target, c] for c in range(3))
+        good = np.abs(cosine) > self.cosine
+        i, k = i[good], k[good]
+        hit = np.zeros((h, n), bool)
+        hit[i, k] = True
+        hit &= self.travel(motions) > self.still**2
+        return near, hit
+
+    def travel(self, motions):
+        """(h, n) float32, squared length of the way that each sample is moved."""
+        move = (motions - np.eye(4))[:, :3, :].reshape(-1, 4).astype(np.float32)
+        way = (move @ self.homogeneous.T).reshape(len(motions), 3, -1)
+        return (way**2).sum(axis=1)
+
+    def _chunks(self, motions, function, chunk):
+        chunk = chunk or max(1, 100_000 // len(self.points))
+        parts = [motions[i : i + chunk] for i in range(0, len(motions), chunk)]
+        with ThreadPoolExecutor(max(1, self.threads)) as pool:
+            return list(pool.map(function, parts))
+
+    def score(self, motions, *, beside=None, chunk=None):
+        """(h,) float64, supported length of each motion, without the curves that slip along it.
+
+        beside : (h, 4, 4), motions that are known to recur, one for each; what slips from the one motion to
+        the other, or goes to the same place, supports both alike and is left out, too.
+        """
+        if not len(motions):
+            return np.zeros(0)
+        both = np.stack([motions, motions if beside is None else inverse(beside) @ motions], axis=1)
+
+        def part(pair):
+            _, hit = self.nearest(pair[:, 0])
+            hit = long_stretches(hit, self.curve, self.least)
+            hit &= ~slips(pair[:, 0], self.points, self.tangents)
+            if beside is not None:
+                hit &= ~slips(pair[:, 1], self.points, self.tangents)
+                hit &= self.travel(pair[:, 1]) > self.still**2
+            return hit @ self.weight
+
+        return np.concatenate(self._chunks(both, part, chunk))
+
+    def prominence(self, motions, *, off=7.0):
+        """(h,) float64, by how much a motion's support stands out from that of motions a little beside it.
+
+        Straight parts support every motion that takes them along themselves. Only what is lost `off` edge
+        lengths away, along the main directions of the curves and along the motion itself, tells for this one.
+        A turn may slide along its axis, as grooves do: there the turn without a slide is the simplest.
+        """
+        _, axes = np.linalg.eigh((self.tangents * self.weight[:, None]).T @ self.tangents)
+        twists = np.concatenate(screw_velocity(motions), axis=1)
+        angle = np.linalg.norm(twists[:, :3], axis=1)
+        axis = twists[:, :3] / np.maximum(angle, 1e-12)[:, None] * (angle > np.radians(5))[:, None]
+        way = axes.T[None] - (axes.T[None] @ axis[:, :, None]) * axis[:, None, :]
+        length = np.linalg.norm(way, axis=2, keepdims=True)
+        # A direction nearly along the axis has no way left of its own; the other two then stand for it.
+        way = np.where(length > 0.5, way / np.maximum(length, 1e-12), np.roll(way, 1, axis=1))
+        size = np.sqrt(self.travel(motions).mean(axis=1).astype(float))
+        beside = np.repeat(motions[:, None], 8, axis=1)
+        beside[:, 0:3, :3, 3] += off * way
+        beside[:, 3:6, :3, 3] -= off * way
+        for k, sign in ((6, 1), (7, -1)):
+            beside[:, k] = exponential(twists * (1 + sign * off / np.maximum(size, off))[:, None])
+        support = self.score(motions)
+        worth = np.flatnonzero(support > 0)
+        out = np.zeros(len(motions))
+        if len(worth):
+            out[worth] = support[worth] - self.score(beside[worth].reshape(-1, 4, 4)).reshape(-1, 8).max(axis=1)
+        return out
+
+    def refine(self, motions, rounds=3, chunk=None):
+        """Motions improved by ICP on the supported samples, to the nearest tangent line."""
+        if not len(motions):
+            return motions
+
+        def part(m):
+            m = m.copy()
+            for _ in range(rounds):
+                near, hit = self.nearest(m)
+                hit = long_stretches(hit, self.curve, self.least)
+                m = self.align(m, near, hit)
+            return m
+
+        return np.concatenate(self._chunks(motions, part, chunk))
+
+    def align(self, motions, near, hit):
+        """Best motions for given correspondences; only the distance across the target curve counts."""
+        i, k = np.nonzero(hit)
+        sums = np.zeros((len(motions), 17))
+        a = self.points[k]
+        moved = np.einsum("nij,nj->ni", motions[i, :3, :3], a) + motions[i, :3, 3]
+        target, line = self.all_points[near[i, k]], self.all_tangents[near[i, k]]
+        b = target + line * ((moved - target) * line).sum(-1)[:, None]
+        w = self.weight[k]
+        terms = [w, *(w * a.T), *(w * b.T), *(w * (b[:, :, None] * a[:, None, :]).reshape(-1, 9).T)]
+        for column, term in enumerate(terms):
+            sums[:, column] = np.bincount(i, term, minlength=len(motions))
+        total = np.maximum(sums[:, 0], 1e-9)[:, None]
+        mean_a, mean_b = sums[:, 1:4] / total, sums[:, 4:7] / total
+        cross = sums[:, 7:16].reshape(-1, 3, 3) / total[:, :, None] - mean_b[:, :, None] * mean_a[:, None, :]
+        rotation, _ = best_rotation(cross + 1e-3 * motions[:, :3, :3])
+        better = motion(rotation, mean_b - np.einsum("kij,kj->ki", rotation, mean_a))
+        enough = sums[:, 0] >= 2 * self.least
+        return np.where(enough[:, None, None], better, motions)
