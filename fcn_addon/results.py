@@ -34,6 +34,7 @@ ICONS = {
 class FCN_PG_transformation(PropertyGroup):
     """One transformation of a result, as the list shows it; its `name` is the title."""
 
+    short: StringProperty(name="Title", description="As much of the title as fits into the list")
     ident: IntProperty(name="Number", description="Its number in the report")
     kind: StringProperty(name="Kind")
     step: StringProperty(name="Step", description="How often and by how much")
@@ -109,6 +110,7 @@ def describe(root, completion, run, length):
         row = result.transformations.add()
         mine = [template for template in completion.templates if template.transformation == t.id]
         row.name, row.kind, row.step = named[t.id], t.kind, description(t, length)
+        row.short = row.name.partition(",")[0]
         row.ident, row.home = t.id, homes[t.id]
         row.count = sum(len(template.occurrences) for template in mine)
         row.curves = sum(len(template.occurrences) * len(template.curves) for template in mine)
@@ -141,6 +143,11 @@ def active_transformation(scene):
         return None
     rows = root.fcn_result.transformations
     return rows[root.fcn_result.active] if root.fcn_result.active < len(rows) else None
+
+
+def source_names(root) -> list[str]:
+    """Names of the objects that a result was made of."""
+    return json.loads(root.fcn_result.objects or "[]")
 
 
 def remove(root):

@@ -102,6 +102,7 @@ class _Writer:
         collection.objects.link(made)
         if colour is not None:
             made.color = (*colour, 1.0)
+            made.show_wire = True  # only then a viewport in solid mode draws the curve in its own colour
         return made
 
     def _curve(self, name, polylines, closed):

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import bpy
@@ -11,7 +12,7 @@ import numpy as np
 from ..core.errors import InputError
 from ..core.files.network import Reading
 from ..core.parameters import Parameters
-from . import properties, scene_reader
+from . import properties, results, scene_reader
 
 
 @dataclass(frozen=True)
@@ -52,25 +53,43 @@ class Task:
     replace: bool
 
 
-def take(context) -> Task:
-    """Read what the settings choose. Raises InputError where that cannot be used."""
+def take(context, hidden=True) -> Task:
+    """Read what the settings choose. Raises InputError where that cannot be used.
+
+    hidden : evaluate hidden objects too, for which they are shown for a moment; otherwise they are read as they were
+    """
     settings = context.scene.fcn
     why = why_not(context)
     if why:
         raise InputError(why)
     objects = chosen(context)
-    depsgraph = context.evaluated_depsgraph_get()
-    read = scene_reader.read_objects(objects, depsgraph)
+    with _shown(context, objects if hidden else ()):
+        depsgraph = context.evaluated_depsgraph_get()
+        read = scene_reader.read_objects(objects, depsgraph)
+        unit = edge_length(context, depsgraph)
     return Task(
         label(context, objects),
         Identity.of(context.scene),
         tuple(Identity.of(item) for item in objects),
         read.reading,
         read.owner,
-        edge_length(context, depsgraph),
+        unit,
         properties.parameters(settings.parameters),
         settings.earlier == "REPLACE",
     )
+
+
+@contextmanager
+def _shown(context, objects):
+    """Show the objects that are hidden in the view layer: Blender does not evaluate those."""
+    hidden = [item for item in objects if item.hide_get()]
+    for item in hidden:
+        item.hide_set(False)
+    try:
+        yield
+    finally:
+        for item in hidden:
+            item.hide_set(True)
 
 
 def why_not(context) -> str | None:
@@ -83,8 +102,8 @@ def why_not(context) -> str | None:
             return "Choose the collection that holds the curves"
         if not _any(settings.collection.all_objects):
             return "The collection holds no edge mesh or curve object"
-    elif not _any(context.selected_objects):
-        return "Select edge meshes or curve objects"
+    elif not _any(context.selected_objects) and not _again(context):
+        return "Select curves or edge meshes"
     if settings.edge_length_from == "SCAN" and scan(context) is None:
         return "Choose the scan that the edge length is measured on"
     return None
@@ -100,8 +119,22 @@ def chosen(context) -> list:
     if settings.source == "COLLECTION":
         objects = settings.collection.all_objects if settings.collection else ()
     else:
-        objects = context.selected_objects
+        objects = context.selected_objects if _any(context.selected_objects) else _again(context)
     return sorted(dict.fromkeys(scene_reader.curve_objects(objects)), key=lambda item: item.name)
+
+
+def is_again(context) -> bool:
+    """Whether nothing is selected, so that a run would repeat that of the active result."""
+    return context.scene.fcn.source == "SELECTION" and not _any(context.selected_objects) and bool(_again(context))
+
+
+def _again(context) -> list:
+    """The objects that the active result was made of, none if one is missing."""
+    root = results.active(context.scene)
+    if root is None:
+        return []
+    found = [context.view_layer.objects.get(name) for name in results.source_names(root)]
+    return [] if None in found else found
 
 
 def label(context, objects) -> str:
@@ -109,6 +142,8 @@ def label(context, objects) -> str:
     settings = context.scene.fcn
     if settings.source == "COLLECTION":
         return settings.collection.name
+    if is_again(context):
+        return results.active(context.scene).fcn_result.source
     main = context.active_object if context.active_object in objects else objects[0]
     return main.name if len(objects) == 1 else f"{main.name} and {len(objects) - 1} more"
 

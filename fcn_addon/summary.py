@@ -23,6 +23,7 @@ class Summary:
     samples : length of all curves in edge lengths
     strong : curves that are at least l0 long or strongly curved
     seconds : a rough time for the run
+    again : nothing is selected, these are the curves of the active result
     """
 
     objects: int
@@ -31,6 +32,7 @@ class Summary:
     edge_length: float
     strong: int
     seconds: float
+    again: bool = False
 
 
 _latest = None  # Summary, or words that say why there is none
@@ -102,8 +104,8 @@ def compute(context, force=False):
         elif not force and _size(sources.chosen(context)) > LARGEST:
             _latest = "Many vertices: press Measure to count the curves"
         else:
-            task = sources.take(context)
-            _latest = summarise(task.reading.curves, task.edge_length, task.parameters, len(task.sources))
+            task, again = sources.take(context, hidden=False), sources.is_again(context)
+            _latest = summarise(task.reading.curves, task.edge_length, task.parameters, len(task.sources), again)
     except InputError as error:
         _latest = str(error)
     return _latest
@@ -113,7 +115,7 @@ def _size(objects):
     return sum(len(o.data.vertices) if o.type == "MESH" else 0 for o in objects)
 
 
-def summarise(curves, edge_length, parameters, objects=1) -> Summary:
+def summarise(curves, edge_length, parameters, objects=1, again=False) -> Summary:
     """Count what a run would work on; `edge_length` is estimated where it is None."""
     unit = edge_length or estimate_edge_length(curves)
     length = lengths(curves) / unit
@@ -123,7 +125,8 @@ def summarise(curves, edge_length, parameters, objects=1) -> Summary:
         mean = np.add.reduceat(curves.strength, curves.offsets[:-1]) / points
         strong |= mean > parameters.strong_curvature * float(np.mean(curves.strength))
     samples = int(round(float(length.sum())))
-    return Summary(objects, len(curves), samples, unit, int(strong.sum()), rough_seconds(float(length[strong].sum())))
+    seconds = rough_seconds(float(length[strong].sum()))
+    return Summary(objects, len(curves), samples, unit, int(strong.sum()), seconds, again)
 
 
 def rough_seconds(samples) -> float:

@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-import json
-
 import bpy
 
 from ..fcn_addon import results
@@ -28,7 +26,7 @@ class FCN_OT_remove_result(bpy.types.Operator):
 
     def execute(self, context):
         root = results.active(context.scene)
-        names = json.loads(root.fcn_result.objects or "[]")
+        names = results.source_names(root)
         results.remove(root)
         for name in names:
             item = context.view_layer.objects.get(name)

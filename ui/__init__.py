@@ -7,7 +7,7 @@ from pathlib import Path
 
 import bpy
 
-from . import menu
+from . import menu, overlay
 from .complete_panel import FCN_PT_advanced, FCN_PT_complete, FCN_PT_parameters
 from .presets_panel import FCN_PT_presets
 from .result_panel import FCN_PT_occurrence, FCN_PT_result, FCN_UL_transformations
@@ -32,8 +32,10 @@ def register():
             bpy.utils.register_class(cls)
             done.append(cls)
         menu.register()
+        overlay.register()
         bpy.utils.register_preset_path(HERE)
     except BaseException:
+        overlay.unregister()
         menu.unregister()
         for cls in reversed(done):
             bpy.utils.unregister_class(cls)
@@ -42,6 +44,7 @@ def register():
 
 def unregister():
     bpy.utils.unregister_preset_path(HERE)
+    overlay.unregister()
     menu.unregister()
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)

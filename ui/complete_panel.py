@@ -61,7 +61,8 @@ def _draw_summary(box, context):
     column = box.column(align=True)
     row = column.row()
     objects = "1 object" if found.objects == 1 else f"{found.objects} objects"
-    row.label(text=f"{found.curves:,} curves of {objects}", icon="CURVE_DATA", translate=False)
+    of = "the result" if found.again else objects
+    row.label(text=f"{found.curves:,} curves of {of}", icon="CURVE_DATA", translate=False)
     row.operator("fcn.measure", text="", icon="FILE_REFRESH", emboss=False)
     edge = unit_length(context.scene)(found.edge_length)
     column.label(text=f"{found.samples:,} samples, edge length {edge}", icon="BLANK1", translate=False)

@@ -17,7 +17,7 @@ class FCN_UL_transformations(bpy.types.UIList):
         row.prop(item, "kept", text="", icon="CHECKBOX_HLT" if item.kept else "CHECKBOX_DEHLT", emboss=False)
         name = row.row()
         name.active = item.kept
-        name.label(text=item.name, icon=results.ICONS.get(item.kind, "DOT"), translate=False)
+        name.label(text=item.short, icon=results.ICONS.get(item.kind, "DOT"), translate=False)
         share = row.row()
         share.alignment = "RIGHT"
         share.active = item.kept
@@ -40,7 +40,9 @@ class FCN_PT_result(Sidebar, bpy.types.Panel):
         row = layout.row(align=True)
         row.prop(context.scene.fcn, "result", text="")
         row.operator("fcn.remove_result", text="", icon="TRASH")
-        layout.row().prop(result, "view", expand=True)
+        views = layout.grid_flow(row_major=True, columns=2, even_columns=True, align=True)
+        for view in ("RESULT", "COMPONENTS", "TEMPLATES", "INPUT"):
+            views.prop_enum(result, "view", view)
         layout.prop(result, "support", text="Hide Below Support", slider=True)
         layout.template_list(FCN_UL_transformations.bl_idname, "", result, "transformations", result, "active", rows=4)
         _draw_transformation(layout, results.active_transformation(context.scene))

@@ -14,7 +14,7 @@ import bpy
 
 EXTENSION = "bl_ext.user_default.fcn_addon"
 STEP = 0.02  # seconds between two looks at what the session waits for
-PATIENCE = 60.0
+PATIENCE = 120.0
 
 
 class Driver:
@@ -162,13 +162,15 @@ class Driver:
         """Click the button of a switch in the sidebar that sets a property to a value; a generator."""
         found = []
         yield from self.find(name, found)
-        y = found[0][1]
-        owner = bpy.context.scene.fcn.result.fcn_result
         region = self.region("UI")
-        for x in range(region.x + 20, region.x + region.width - 30, 25):
-            yield from self.click(x, y)
-            if getattr(owner, name) == value:
-                return
+        for y in range(found[0][1] + 20, found[0][1] - 50, -10):
+            for x in (region.x + region.width // 4, region.x + region.width * 5 // 8):
+                self.move(x, y)
+                yield 0.2  # until the window knows what is under the mouse
+                if name in self.under_mouse():
+                    yield from self.click(x, y)
+                    if bpy.context.scene.fcn.result.path_resolve(name.strip(".")) == value:
+                        return
         raise LookupError(f"no button sets {name} to {value}")
 
     # what is seen

@@ -84,13 +84,13 @@ def session(driver):
         yield lambda: not running.running()
     driver.note(f"redraws during a run: {1000 * busy.median:.0f} ms, longest {1000 * busy.longest:.0f} ms")
     driver.note(f"button to result: {time.monotonic() - began:.1f} s, the method itself {result().seconds:.1f} s")
-    yield 0.5
+    yield 1.0
     assert result().templates and visible()
     driver.picture("3-result")
 
     size = len(visible())
     for view in ("COMPONENTS", "TEMPLATES", "INPUT", "RESULT"):
-        yield from driver.choose("view", view)
+        yield from driver.choose(".fcn_result.view", view)
         yield 0.4
         assert result().view == view, f"the switch shows {result().view}, not {view}"
         driver.picture(f"4-view-{view.lower()}")
