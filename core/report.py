@@ -33,7 +33,7 @@ def report(completion: Completion, curves: Curves, *, version: str, parameters: 
         "version": version,
         "input": {
             "curves": count,
-            "samples": work.get("samples", len(curves.points)),
+            "samples": len(curves.points),
             "edge_length": float(completion.edge_length),
         },
         "parameters": asdict(parameters),

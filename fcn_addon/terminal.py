@@ -8,14 +8,18 @@ import time
 
 
 class Terminal:
-    """Messages and progress. In a terminal the progress stays on one line; in a log it is a line every tenth."""
+    """Messages and progress.
+
+    In a terminal the progress stays on one line; in a log it is a line every tenth, not more than one a second, and
+    one when a stage is done.
+    """
 
     def __init__(self, quiet=False, stream=None, clock=time.monotonic):
         self.stream = stream or sys.stderr
         self.quiet = quiet
         self._clock = clock
         self._live = hasattr(self.stream, "isatty") and self.stream.isatty()
-        self._stage, self._began, self._shown, self._at, self._open = None, 0.0, -1, 0.0, False
+        self._stage, self._began, self._shown, self._at, self._open = None, 0.0, -1, -1.0, False
 
     def say(self, message):
         """A line of its own."""
@@ -32,7 +36,7 @@ class Terminal:
         """Show the stage, its percentage and the time it will still take."""
         now = self._clock()
         if stage != self._stage:
-            self._stage, self._began, self._shown, self._at = stage, now, -1, 0.0
+            self._stage, self._began, self._shown = stage, now, -1
         if self.quiet:
             return
         percent = int(100 * min(max(fraction, 0.0), 1.0))
@@ -40,7 +44,7 @@ class Terminal:
         done = percent == 100
         if percent // step == self._shown // step and not (done and self._shown < 100):
             return
-        if self._live and now - self._at < 0.1 and not done:
+        if now - self._at < (0.1 if self._live else 1.0) and not done:
             return
         self._shown, self._at = percent, now
         elapsed = now - self._began

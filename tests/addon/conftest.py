@@ -86,3 +86,60 @@ def curves(part):
     return part("core.values").Curves.from_list(
         lines, [False, True, False, False], [np.full(len(p), 2.0) for p in lines]
     )
+
+
+@pytest.fixture
+def arcs():
+    """Makes OBJ text: equal wavy curves one step apart, and a stray one; the edge length is 0.1."""
+
+    def make(count=4, *, stray=True, step=6.0, noise=0.01, shift=0.0, seed=5):
+        rng = np.random.default_rng(seed)
+        along = np.arange(0, 9, 0.1)
+        wave = np.c_[along, np.sin(along) + 0.3 * np.cos(2.3 * along), 0.5 * np.cos(1.7 * along)]
+        lines = [wave + [0, step * i, 0] + noise * rng.normal(size=wave.shape) for i in range(count)]
+        if stray:
+            lines.append(np.cumsum(rng.normal(scale=0.05, size=(12, 3)), axis=0) + [0, 0, 5])
+        text, base = [], 1
+        for line in lines:
+            text += [f"v {x:.6f} {y:.6f} {z:.6f}" for x, y, z in (line + shift).tolist()]
+            text.append("l " + " ".join(map(str, range(base, base + len(line)))))
+            base += len(line)
+        return "\n".join(text) + "\n"
+
+    return make
+
+
+@pytest.fixture
+def wall(bpy, curves):
+    """The curves as a selected edge mesh "Wall" in the scene."""
+    mesh = bpy.data.meshes.new("Wall")
+    edges = []
+    for a, b, loop in zip(curves.offsets[:-1], curves.offsets[1:], curves.closed):
+        edges += [(i, i + 1) for i in range(a, b - 1)] + ([(b - 1, a)] if loop else [])
+    mesh.from_pydata(curves.points.tolist(), edges, [])
+    item = bpy.data.objects.new("Wall", mesh)
+    bpy.context.scene.collection.objects.link(item)
+    item.select_set(True)
+    bpy.context.view_layer.objects.active = item
+    bpy.context.view_layer.update()
+    return item
+
+
+@pytest.fixture
+def work(part, completion, monkeypatch):
+    """In place of the method, which takes long, a function that gives the completion made by hand."""
+
+    def do(task, report):
+        report("blast", 0.5)
+        return completion
+
+    monkeypatch.setattr(part("fcn_addon.session"), "_work", do)
+    return do
+
+
+@pytest.fixture
+def made(bpy, part, wall, work):
+    """The result of the button; a collection."""
+    assert bpy.ops.fcn.complete() == {"FINISHED"}
+    bpy.context.view_layer.update()
+    return bpy.context.scene.fcn.result

@@ -12,23 +12,8 @@ import numpy as np
 import pytest
 
 
-def arcs(seed=5, count=4):
-    """OBJ text: rows of equal wavy curves, one step apart, and a stray one; the edge length is 0.1."""
-    rng = np.random.default_rng(seed)
-    along = np.arange(0, 9, 0.1)
-    wave = np.c_[along, np.sin(along) + 0.3 * np.cos(2.3 * along), 0.5 * np.cos(1.7 * along)]
-    lines = [wave + [0, 6 * i, 0] + rng.normal(scale=0.01, size=wave.shape) for i in range(count)]
-    lines.append(np.cumsum(rng.normal(scale=0.05, size=(12, 3)), axis=0) + [0, 0, 5])
-    text, base = [], 1
-    for line in lines:
-        text += [f"v {x:.6f} {y:.6f} {z:.6f}" for x, y, z in line.tolist()]
-        text.append("l " + " ".join(map(str, range(base, base + len(line)))))
-        base += len(line)
-    return "\n".join(text) + "\n"
-
-
 @pytest.fixture
-def folder(tmp_path, monkeypatch):
+def folder(tmp_path, monkeypatch, arcs):
     """The current folder, with one input in it."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "in.obj").write_text(arcs())
@@ -161,6 +146,56 @@ def test_names_that_a_blend_file_does_not_have(folder, fcn, bpy):
         assert (code, said.count("\n")) == (2, 1) and message in said
 
 
+def kinds(folder):
+    return [row["kind"] for row in json.loads((folder / "r.json").read_text())["inputs"]]
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("v 0 0 0\nv 1 0 0\nv 2 0 0\nl 1 2 3\n", "the longest has 20.0; try l0 = 10"),
+        ("v 0 0 0\nv .1 0 0\nl 1 2\n", "no curve is strong"),
+    ],
+)
+def test_no_strong_curve_suggests_l0(folder, fcn, text, message):
+    (folder / "weak.obj").write_text(text)
+    code, said = fcn("weak.obj", "--edge-length", "0.1", "--report", "r.json", "--quiet")
+    assert (code, said.count("\n")) == (2, 1) and message in said and "l0" in said
+    assert not (folder / "r.json").exists()
+
+
+def test_l0_that_is_longer_than_all_curves(folder, fcn):
+    code, said = fcn("in.obj", "--edge-length", "0.1", "--l0", "5000", "--quiet")
+    assert (code, said.count("\n")) == (2, 1) and "none is longer than l0 = 5000 edge lengths" in said
+
+
+def test_a_single_curve_is_strong_and_recurs_nowhere(folder, fcn, arcs):
+    (folder / "in.obj").write_text(arcs(count=1, stray=False))
+    assert fcn("in.obj", "--edge-length", "0.1", "--report", "r.json", "--quiet") == (0, "")
+    assert kinds(folder) == ["strong"]
+
+
+def test_curves_that_are_all_the_same_do_not_recur_where_they_are(folder, fcn):
+    turn = np.linspace(0, 9, 120)
+    spiral = np.exp(0.2 * turn)[:, None] * np.c_[np.cos(turn), np.sin(turn), 0.3 * turn]
+    text = [f"v {x:.6f} {y:.6f} {z:.6f}" for x, y, z in np.tile(spiral, (4, 1)).tolist()]
+    text += ["l " + " ".join(str(120 * i + k + 1) for k in range(120)) for i in range(4)]
+    (folder / "in.obj").write_text("\n".join(text))
+    assert fcn("in.obj", "--edge-length", "0.3", "--report", "r.json", "--quiet") == (0, "")
+    assert len(set(kinds(folder))) == 1
+    for found in json.loads((folder / "r.json").read_text())["transformations"]:
+        assert np.abs(np.array(found["generators"]) - np.eye(4)).max() > 0.3
+
+
+def test_far_from_the_origin_the_result_is_the_same(folder, fcn, arcs):
+    found = []
+    for shift in (0.0, 1e7):
+        (folder / "in.obj").write_text(arcs(shift=shift))
+        assert fcn("in.obj", "--edge-length", "0.1", "--report", "r.json", "--quiet") == (0, "")
+        found.append((kinds(folder), len(json.loads((folder / "r.json").read_text())["curves"])))
+    assert found[0] == found[1]
+
+
 def test_an_earlier_result_stays_when_the_run_fails(folder, fcn):
     (folder / "r.json").write_text("earlier")
     (folder / "bad.obj").write_text("v 0 0 0\nl 1 9\n")
@@ -210,6 +245,15 @@ def test_progress_in_a_log_is_a_line_a_tenth_with_the_time_left(part):
     assert len(lines) == 11
     assert lines[2].split() == ["blast", "20%", "1", "min", "20", "s", "left"]
     assert lines[-1].split() == ["blast", "100%", "1", "min", "40", "s"]
+
+
+def test_progress_of_a_short_stage_is_one_line_in_a_log(part):
+    stream = io.StringIO()
+    terminal = part("fcn_addon.terminal").Terminal(stream=stream, clock=Clock())
+    for stage in ("blast", "voting"):
+        for i in range(11):
+            terminal.progress(stage, i / 10)
+    assert [line.split()[:2] for line in stream.getvalue().splitlines()[1:]] == [["blast", "100%"], ["voting", "100%"]]
 
 
 def test_quiet_says_errors_only(part):

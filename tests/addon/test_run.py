@@ -10,7 +10,6 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parent.parent.parent
-EXAMPLE = ROOT / "examples" / "facade.obj"
 
 
 def run(*arguments, blocked=(), cwd=None):
@@ -22,18 +21,20 @@ def run(*arguments, blocked=(), cwd=None):
     return done.returncode, done.stdout, done.stderr
 
 
-def test_text_in_and_text_out_need_no_blender(tmp_path):
-    code, _, said = run(EXAMPLE, "--report", "r.json", "--curves", "r.obj", "--quiet", blocked=["bpy"], cwd=tmp_path)
+def test_text_in_and_text_out_need_no_blender(tmp_path, arcs):
+    (tmp_path / "in.obj").write_text(arcs())
+    code, _, said = run("in.obj", "--report", "r.json", "--curves", "r.obj", "--quiet", blocked=["bpy"], cwd=tmp_path)
     assert (code, said) == (0, "")
     report = json.loads((tmp_path / "r.json").read_text())
     assert report["templates"]
-    assert sorted(os.listdir(tmp_path)) == ["r.json", "r.obj"]
+    assert sorted(os.listdir(tmp_path)) == ["in.obj", "r.json", "r.obj"]
 
 
-def test_with_blenders_module_a_blend_file_is_written(tmp_path):
-    code, _, said = run(EXAMPLE, "--out", "r.blend", "--quiet", cwd=tmp_path)
+def test_with_blenders_module_a_blend_file_is_written(tmp_path, arcs):
+    (tmp_path / "in.obj").write_text(arcs())
+    code, _, said = run("in.obj", "--out", "r.blend", "--quiet", cwd=tmp_path)
     assert (code, said) == (0, "")
-    assert os.listdir(tmp_path) == ["r.blend"]
+    assert sorted(os.listdir(tmp_path)) == ["in.obj", "r.blend"]
 
 
 @pytest.mark.parametrize(
