@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Make a scan-like mesh: `python -m examples.make_scan [OUT.ply]` in the folder above; without OUT, `examples/scan.ply`.
+"""Make a scan-like mesh, `examples/scan.ply`: `python -m examples.make_scan [OUT.ply]` in the folder above.
 
 A wall with pointed windows in two rows, a rosette and two cornices, all in relief, sampled as a scanner would: points
 without order, denser below than above, noisy, with holes. It stands upright (z is up, the wall looks along -y),
@@ -35,7 +35,7 @@ CORNICE_PROFILE = [(-RAMP, 0.1), (0.0, 0.0)]
 
 @dataclass(frozen=True)
 class Scan:
-    """vertices (n, 3) and faces (m, 3) of the scan; the creases as built: (k, 3) each, closed or not, ridge or valley."""
+    """vertices (n, 3), faces (m, 3); the creases as built: curves (k, 3) each, closed or not, kind ridge or valley."""
 
     vertices: np.ndarray
     faces: np.ndarray

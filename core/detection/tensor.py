@@ -24,7 +24,7 @@ class Curvature:
     high_direction, low_direction : (n, 3) float64, unit, in the tangent plane; the sign is arbitrary
     high_slope, low_slope : (n,) float64, derivative of each curvature along its own direction (extremality)
     points, normals : (n, 3) float64, the smoothed surface; the normals are unit
-    width : (n,) float64, standard deviation of the smoothing, scene units
+    width : (n,) float64, standard deviation of all smoothing that the curvatures went through, scene units
     """
 
     high: np.ndarray
@@ -65,8 +65,9 @@ def curvature(mesh: TriangleMesh, scale: float, *, fine: float = 0.5, tick=None)
     derivative = vertex_derivatives(face_derivatives(shape, tensor, mesh.faces), shape, mesh)
     if fine > 0:
         derivative = diffusion.smooth(derivative, fine * width, 1, tick)
+    whole = width * np.sqrt(1 + 2 * fine**2)  # of the curvatures: variances of diffusions add up
     high_slope, low_slope = cubic(derivative, high_direction), cubic(derivative, low_direction)
-    return Curvature(high, low, high_direction, low_direction, high_slope, low_slope, points + centre, normals, width)
+    return Curvature(high, low, high_direction, low_direction, high_slope, low_slope, points + centre, normals, whole)
 
 
 def _unit(vectors):

@@ -47,7 +47,7 @@ def ellipsoid(level: int, axes=(3.0, 2.0, 1.0)):
 
 
 def torus(n: int, R: float = 2.0, r: float = 0.7):
-    """Quads of a torus cut at alternating diagonals: vertices, faces and the principal curvatures (n, 2), high first."""
+    """A torus of quads cut at alternating diagonals: vertices, faces, principal curvatures (n, 2), high first."""
     m = max(6, round(n * r / R))
     u, w = np.meshgrid(np.arange(n) * 2 * np.pi / n, np.arange(m) * 2 * np.pi / m, indexing="ij")
     u, w = u.ravel(), w.ravel()
@@ -150,17 +150,15 @@ def noisy(v, share: float, seed: int = 0):
 
 
 def folded_sheet(n: int, folds: int = 5, angle: float = 50.0, size: float = 1.0, seed: int = 0, jitter: float = 0.25):
-    """A corrugated sheet: straight creases along y, alternately ridge and valley, bent by `angle` degrees.
+    """A corrugated sheet: straight creases along y, by turns ridge and valley, bent by `angle` degrees.
 
-    Returns vertices, faces and the x of each crease (ridges where the height peaks).
+    Returns vertices, faces and the x of each crease, the first of which is a ridge.
     """
-    at = np.linspace(-size, size, folds + 2)[1:-1]
-    slope = np.tan(np.radians(angle / 2))
+    at = np.linspace(-size, size, folds + 2)
+    rise = np.tan(np.radians(angle / 2)) * (at[1] - at[0])
 
     def height(x, y):
-        return np.interp(
-            x, np.r_[-size, at, size], np.r_[0, (np.arange(folds) % 2 == 0), folds % 2 == 0 and 0 or 0]
-        ) * (slope * (at[1] - at[0]))
+        return np.interp(x, at, rise * (np.arange(folds + 2) % 2))
 
     v, f = graph(n, height, size, seed, jitter)
-    return v, f, at
+    return v, f, at[1:-1]
