@@ -60,7 +60,8 @@ def _hair(name, curves, points, values):
     data = bpy.data.hair_curves.new(name)
     data.add_curves(np.diff(curves.offsets).tolist())
     data.attributes["position"].data.foreach_set("vector", points.astype(np.float32).ravel())
-    _attribute(data, "curve_type", "CURVE", np.ones(len(curves), np.int8), kind="INT8")  # 1 is poly
+    if hasattr(data, "set_types"):
+        data.set_types(type="POLY")  # before that they are Catmull-Rom curves, through the same points
     _attribute(data, "cyclic", "CURVE", curves.closed, kind="BOOLEAN")
     for label, every in values.items():
         _attribute(data, label, "CURVE", every)

@@ -6,11 +6,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import bpy
-import numpy as np
 
 from ..core.errors import InputError
-from ..core.network import estimate_edge_length
-from ..core.report import lengths
+from ..core.network import build_network, estimate_edge_length
+from ..core.strong import strong_curves
 
 DELAY = 0.3  # seconds of quiet before it is looked at
 LARGEST = 400_000  # vertices; above this many it waits for the button
@@ -20,8 +19,8 @@ LARGEST = 400_000  # vertices; above this many it waits for the button
 class Summary:
     """Numbers about the chosen curves.
 
-    samples : length of all curves in edge lengths
-    strong : curves that are at least l0 long or strongly curved
+    samples : of all curves, an edge length apart
+    strong : curves that take part in the matching
     seconds : a rough time for the run
     again : nothing is selected, these are the curves of the active result
     """
@@ -118,17 +117,12 @@ def _size(objects):
 def summarise(curves, edge_length, parameters, objects=1, again=False) -> Summary:
     """Count what a run would work on; `edge_length` is estimated where it is None."""
     unit = edge_length or estimate_edge_length(curves)
-    length = lengths(curves) / unit
-    strong = length > parameters.l0
-    if curves.strength is not None:
-        points = np.diff(curves.offsets)
-        mean = np.add.reduceat(curves.strength, curves.offsets[:-1]) / points
-        strong |= mean > parameters.strong_curvature * float(np.mean(curves.strength))
-    samples = int(round(float(length.sum())))
-    seconds = rough_seconds(float(length[strong].sum()))
-    return Summary(objects, len(curves), samples, unit, int(strong.sum()), seconds, again)
+    network = build_network(curves, edge_length=unit, smoothing=parameters.smoothing)
+    strong = strong_curves(network, l0=parameters.l0, strong_curvature=parameters.strong_curvature)
+    seconds = rough_seconds(len(network.points), float(network.lengths[strong].sum()))
+    return Summary(objects, len(curves), len(network.points), unit, len(strong), seconds, again)
 
 
-def rough_seconds(samples) -> float:
-    """A rough time for a run with this many samples on strong curves: fitted to runs on two cores."""
-    return 1.0 + 8.0e-4 * samples + 3.0e-8 * samples**2
+def rough_seconds(samples, strong) -> float:
+    """A rough time for a run with so many samples, and so many on strong curves: fitted to runs on two cores."""
+    return 1.0 + 8.0e-4 * samples + 3.0e-8 * strong**2

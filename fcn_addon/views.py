@@ -83,6 +83,9 @@ def _hide_objects(collection, hidden):
         hidden[last] = not value
         objects.foreach_set("hide_viewport", hidden)
         objects[last].hide_viewport = value
+        # The evaluated copies must learn of it too, or they write their own flags back.
+        for i in changed.tolist():
+            objects[i].update_tag(refresh={"OBJECT"})
 
 
 def _colour(home, view):

@@ -166,9 +166,10 @@ class Driver:
         for y in range(found[0][1] + 20, found[0][1] - 50, -10):
             for x in (region.x + region.width // 4, region.x + region.width * 5 // 8):
                 self.move(x, y)
-                yield 0.2  # until the window knows what is under the mouse
+                yield 0.3  # until the window knows what is under the mouse
                 if name in self.under_mouse():
                     yield from self.click(x, y)
+                    yield 0.3
                     if bpy.context.scene.fcn.result.path_resolve(name.strip(".")) == value:
                         return
         raise LookupError(f"no button sets {name} to {value}")

@@ -90,14 +90,14 @@ def session(driver):
 
     size = len(visible())
     for view in ("COMPONENTS", "TEMPLATES", "INPUT", "RESULT"):
-        yield from driver.choose(".fcn_result.view", view)
+        yield from driver.choose("fcn_result.view", view)
         yield 0.4
         assert result().view == view, f"the switch shows {result().view}, not {view}"
         driver.picture(f"4-view-{view.lower()}")
     assert len(visible()) == size
 
     found = []
-    yield from driver.find('fcn_result.support', found)
+    yield from driver.find("fcn_result.support", found)
     x, y = found[0]
     yield from driver.drag(x, y, x + 60)
     yield 0.3

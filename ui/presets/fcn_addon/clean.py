@@ -1,22 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Curves without noise, as drawn or from a CAD model."""
+"""Curves without noise: drawn, or of a CAD model."""
 
 import bpy
 
 parameters = bpy.context.scene.fcn.parameters
 
-parameters.l0 = 25.0
+for name in parameters.bl_rna.properties.keys():
+    if name not in {"rna_type", "name", "block", "threads"}:
+        parameters.property_unset(name)
+
+parameters.smoothing = 0.5
 parameters.s = 0.5
 parameters.t = 1.0
-parameters.delta_l = 5.0
-parameters.strong_curvature = 0.5
-parameters.bin_translation = 2.0
-parameters.bin_rotation = 0.026179939
-parameters.cluster_translation = 2.0
-parameters.cluster_rotation = 0.026179939
-parameters.bayes_ratio = 10.0
-parameters.keep_length = 3.0
-parameters.keep_curvature = 1.0
-parameters.smoothing = 0.5
-parameters.link_gap = 3.0
 parameters.epsilon = 1.0
+parameters.link_gap = 3.0

@@ -5,18 +5,13 @@ import bpy
 
 parameters = bpy.context.scene.fcn.parameters
 
-parameters.l0 = 25.0
+for name in parameters.bl_rna.properties.keys():
+    if name not in {"rna_type", "name", "block", "threads"}:
+        parameters.property_unset(name)
+
+parameters.smoothing = 3.0
 parameters.s = 1.5
 parameters.t = 3.0
-parameters.delta_l = 5.0
-parameters.strong_curvature = 0.5
-parameters.bin_translation = 2.0
-parameters.bin_rotation = 0.026179939
-parameters.cluster_translation = 2.0
-parameters.cluster_rotation = 0.026179939
-parameters.bayes_ratio = 10.0
-parameters.keep_length = 4.0
-parameters.keep_curvature = 1.0
-parameters.smoothing = 2.5
-parameters.link_gap = 10.0
 parameters.epsilon = 3.0
+parameters.link_gap = 10.0
+parameters.keep_length = 4.0
