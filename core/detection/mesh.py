@@ -35,13 +35,14 @@ class TriangleMesh:
     face_source: np.ndarray
 
     @classmethod
-    def of(cls, vertices, faces) -> TriangleMesh:
+    def of(cls, vertices, faces, *, progress=None) -> TriangleMesh:
         """Clean input of any kind.
 
         Parameters
         ----------
         vertices : (n, 3) array of finite numbers; duplicates and vertices without a face are allowed
         faces : (m, k) int array, or a sequence of polygons of at least 3 vertex indices each
+        progress : called as progress("mesh", fraction), may raise Cancelled
 
         Raises
         ------
@@ -53,6 +54,8 @@ class TriangleMesh:
         Equal points are made one vertex, polygons become fans, faces of zero area and repeated faces go,
         neighbours are turned to agree, and closed outer shells face outwards. O(n log n).
         """
+        tell = progress or (lambda stage, fraction: None)
+        tell("mesh", 0.0)
         vertices = _checked_vertices(vertices)
         triangles, source = triangulate(faces)
         if triangles.min() < 0 or triangles.max() >= len(vertices):
@@ -62,16 +65,20 @@ class TriangleMesh:
         if not np.isfinite(vertices[used]).all():
             bad = int(used[~np.isfinite(vertices[used]).all(axis=1)][0])
             raise InputError(f"vertex {bad} has a coordinate that is not a finite number: remove or repair it")
+        tell("mesh", 0.2)
         first, position = _distinct(vertices[used])
         index = np.zeros(len(vertices), np.int64)
         index[used] = position
         points, faces = vertices[used[first]], index[triangles]
+        tell("mesh", 0.4)
         keep = np.flatnonzero(_has_area(points, faces))
         keep = keep[_first_of_each(faces[keep])]
         if not len(keep):
             raise InputError("all faces have zero area: give a mesh with a surface")
+        tell("mesh", 0.6)
         inside, flat = np.unique(faces[keep], return_inverse=True)
-        faces = oriented(points[inside], flat.reshape(-1, 3).astype(np.int64))
+        faces = oriented(points[inside], flat.reshape(-1, 3).astype(np.int64), lambda: tell("mesh", 0.8))
+        tell("mesh", 1.0)
         return cls(points[inside], faces, used[first][inside], source[keep])
 
     @cached_property

@@ -8,17 +8,19 @@ from scipy import sparse
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
 
-def oriented(points: np.ndarray, faces: np.ndarray) -> np.ndarray:
+def oriented(points: np.ndarray, faces: np.ndarray, tick=lambda: None) -> np.ndarray:
     """Faces (m, 3) turned so that the two faces of an edge run along it in opposite directions.
 
     A component keeps the orientation that most of its area has. A closed one that lies in no other and
     encloses a negative volume is turned inside out, because ridges would otherwise be read as valleys.
     Edges with more than two faces do not pass orientation on. One-sided strips (Moebius) keep one seam.
+    `tick()` is called between the steps.
     """
     left, right, agree = _face_pairs(faces, len(points))
     m = len(faces)
     graph = sparse.coo_matrix((np.ones(len(left)), (left, right)), (m, m)).tocsr()
     count, label = connected_components(graph, directed=False)
+    tick()
     flip = np.zeros(m, bool)
     if not agree.all():
         flip = _parity(graph, left, right, agree, label, count)
@@ -27,6 +29,7 @@ def oriented(points: np.ndarray, faces: np.ndarray) -> np.ndarray:
     )
     flip ^= (np.bincount(label, np.where(flip, area, -area), count) > 0)[label]
     faces = np.where(flip[:, None], faces[:, [0, 2, 1]], faces)
+    tick()
     inward = _inward(points, faces, label, count)
     return np.where(inward[label][:, None], faces[:, [0, 2, 1]], faces)
 

@@ -109,7 +109,7 @@ def _lines(kind, mesh, field, surface, parameters, tick) -> Lines:
     weak = np.radians(parameters.weak_fold)
     lines, sound = crest_lines(mesh, field, kind, 0.5 * weak)
     tick(0.2)
-    clear = sound & (lines.fold >= weak)
+    clear = sound & (lines.fold >= weak) & ~surface.near_boundary(lines.points, parameters.margin * h)
     lines = lines.with_segments(clear_segments(lines.segments, lines.points, clear, parameters.bridge * h))
     lines = without_doubles(lines, parameters.merge * h)
     tick(0.4)

@@ -18,6 +18,16 @@ class Surface:
 
     mesh: TriangleMesh
 
+    def near_boundary(self, points: np.ndarray, distance: float) -> np.ndarray:
+        """(k,) bool, points nearer than `distance` (scene units, exclusive) to a vertex of an open boundary.
+
+        The surface there is known from one side only, and its curvature with it.
+        """
+        rim = self.mesh.vertices[self.mesh.boundary_vertices]
+        if not len(rim) or not len(points):
+            return np.zeros(len(points), bool)
+        return cKDTree(rim).query(points, distance_upper_bound=max(distance, 0.0))[0] < distance
+
     @cached_property
     def _tree(self):
         return cKDTree(self.mesh.vertices)

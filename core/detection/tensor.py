@@ -49,20 +49,28 @@ def curvature(mesh: TriangleMesh, scale: float, *, fine: float = 0.5, tick=None)
     The positions are diffused first, because a fit cannot undo noise that has entered the normals; the normals
     and the tensors are diffused by `fine` times as much again, so that the third derivatives are smooth too.
     """
+    tick = tick or (lambda: None)
+    tick()
     diffusion = Diffusion.of(mesh)
+    tick()
     width = diffusion.width(scale)
     centre = mesh.vertices.mean(axis=0)  # keeps the digits of models far from the origin
     points = diffusion.smooth(mesh.vertices - centre, width, tick=tick)
     normals = vertex_normals(points, mesh)
     if fine > 0:
         normals = _unit(diffusion.smooth(normals, fine * width, 2, tick))
+    tick()
     shape = face_shape(points, normals, mesh.faces)
+    tick()
     tensor = vertex_tensors(face_tensors(shape, normals, mesh.faces), shape, normals, mesh)
     if fine > 0:
         tensor = _tangential(diffusion.smooth(tensor, fine * width, 2, tick), normals)
     u, v = tangent_frames(normals)
     high, low, high_direction, low_direction = principal(tensor, u, v)
-    derivative = vertex_derivatives(face_derivatives(shape, tensor, mesh.faces), shape, mesh)
+    tick()
+    derivative = face_derivatives(shape, tensor, mesh.faces)
+    tick()
+    derivative = vertex_derivatives(derivative, shape, mesh)
     if fine > 0:
         derivative = diffusion.smooth(derivative, fine * width, 1, tick)
     whole = width * np.sqrt(1 + 2 * fine**2)  # of the curvatures: variances of diffusions add up

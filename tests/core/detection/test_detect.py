@@ -182,6 +182,17 @@ def test_thresholds_are_tried_on_a_measured_field():
     assert len(detect(mesh, field=field, parameters=DetectionParameters(strong_fold=150))) == 0
 
 
+def test_the_margin_keeps_lines_off_the_boundary():
+    v, f = sheet()
+    mesh = TriangleMesh.of(v, f)
+    rim = cKDTree(mesh.vertices[mesh.boundary_vertices])
+    near = [
+        rim.query(detect(mesh, parameters=DetectionParameters(margin=m)).curves.points)[0].min() / mesh.edge_length
+        for m in (0.0, 3.0)
+    ]
+    assert near[0] < 1 and near[1] >= 3
+
+
 def test_selecting_answers_from_what_was_found():
     v, f = sheet()
     found = detect(TriangleMesh.of(v, f), boundary=True)

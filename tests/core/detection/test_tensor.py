@@ -88,8 +88,10 @@ def test_the_error_on_a_torus_falls_with_the_resolution(scale):
 
 @pytest.mark.parametrize("make", [surfaces.saddle, surfaces.monkey_saddle])
 def test_the_error_on_saddles_falls_with_the_resolution(make):
-    coarse, fine = (error(*make(n, jitter=0.0), 1.0, within=0.7) for n in (31, 61))
-    assert fine < 0.7 * coarse < 0.02
+    # an uneven mesh turns its normals by an angle that does not fall, so the scale must grow in edges, but slower
+    # than the edges shrink
+    coarse, fine = (error(*make(n), 1.5 * np.sqrt(n / 31), within=0.6) for n in (31, 61))
+    assert fine < 0.6 * coarse < 0.02
 
 
 @pytest.mark.parametrize("make", [surfaces.saddle, surfaces.monkey_saddle])
