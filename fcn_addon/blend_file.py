@@ -6,6 +6,7 @@ Both replace what is open, so they are for the command line alone.
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import bpy
@@ -16,7 +17,7 @@ from . import scene_reader, scene_writer
 
 def read(path, objects=(), collections=()):
     """Curves of the named objects and collections of a file, or of all curve objects of its scene; a Reading."""
-    if not Path(path).is_file():
+    if not os.path.isfile(path):
         raise InputError(f"{path}: no such file; check the path")
     try:
         # Scripts in the file stay off: it may come from anywhere.

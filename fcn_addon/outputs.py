@@ -35,10 +35,10 @@ class Outputs:
             raise InputError(f"{path}: two outputs have this name; give each its own")
         if os.path.realpath(path) in self._inputs:
             raise InputError(f"{path}: this is also an input; write to another name")
-        if path.is_dir():
-            raise InputError(f"{path}: cannot be written, it is a folder; give a file name")
         part = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
         try:
+            if path.is_dir():
+                raise InputError(f"{path}: cannot be written, it is a folder; give a file name")
             part.touch()
         except OSError as error:
             raise InputError(f"{path}: cannot be written ({error.strerror}); check the folder") from None

@@ -203,12 +203,21 @@ def test_an_earlier_result_stays_when_the_run_fails(folder, fcn):
     assert (folder / "r.json").read_text() == "earlier"
 
 
-def test_a_folder_that_may_not_be_written(folder, fcn):
-    if os.geteuid() == 0:
-        pytest.skip("root may write everywhere")
-    (folder / "locked").mkdir(mode=0o500)
-    code, said = fcn("in.obj", "--report", "locked/r.json")
-    assert code == 2 and "Permission denied" in said
+@pytest.mark.parametrize("mode", [0o500, 0o000])
+def test_a_folder_that_may_not_be_written(folder, fcn, mode):
+    if not hasattr(os, "geteuid"):
+        pytest.skip("users are another thing here")
+    locked = folder / "locked"
+    locked.mkdir(mode)
+    root = os.geteuid() == 0
+    try:
+        if root:  # who may write everywhere
+            os.seteuid(65534)
+        code, said = fcn("in.obj", "--report", locked / "r.json")
+    finally:
+        if root:
+            os.seteuid(0)
+    assert code == 2 and said.endswith("cannot be written (Permission denied); check the folder\n")
 
 
 def test_ctrl_c_stops_with_130_and_no_file(folder, fcn, part, monkeypatch):
