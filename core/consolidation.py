@@ -12,6 +12,9 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components, dijkstra
 from scipy.spatial import cKDTree
 
+from .linking import join_paths, split_at_corners
+from .network import resample_polyline, smooth_polyline
+
 SPACING, LINK, SHORTEST = 0.7, 2.6, 5.0
 """Distance of the nodes, longest edge between them, shortest curve that is kept; edge lengths."""
 
@@ -49,7 +52,7 @@ def _pairs(points, tangents, weight, radius, cosine):
     return i, j, weight[j] * np.exp(-0.5 * square / (radius / 2) ** 2)
 
 
-def trace_curves(points, tangents, *, shortest=SHORTEST):
+def trace_curves(points, tangents, *, shortest=3.0):
     """Longest shortest paths through points that lie along curves.
 
     Returns a list of (points (k, 3) float64, closed bool), longest first.
@@ -59,8 +62,9 @@ def trace_curves(points, tangents, *, shortest=SHORTEST):
     pick = _spread(points, SPACING)
     points, tangents = points[pick], tangents[pick]
     graph = _graph(points, tangents)
-    alive = np.ones(len(points), bool)
     tree = cKDTree(points)
+    # Arms that meet are traced apart and joined as they fit best, not as the shortest way happens to turn.
+    alive = ~_junctions(points, graph, tree)
     curves = []
     while alive.any():
         nodes = np.flatnonzero(alive)
@@ -114,7 +118,7 @@ def _graph(points, tangents):
     length = np.linalg.norm(edge, axis=1)
     way = edge / np.maximum(length, 1e-9)[:, None]
     short = length < 0.8
-    good = np.abs((tangents[i] * tangents[j]).sum(1)) > 0.7
+    good = np.abs((tangents[i] * tangents[j]).sum(1)) > 0.8
     along_i, along_j = np.abs((way * tangents[i]).sum(1)), np.abs((way * tangents[j]).sum(1))
     good &= short | ((along_i > 0.75) & (along_j > 0.75))
     i, j, length = i[good], j[good], length[good]
@@ -122,6 +126,29 @@ def _graph(points, tangents):
     cost = np.maximum(length, 1e-6) ** 1.5
     n = len(points)
     return coo_matrix((np.r_[cost, cost], (np.r_[i, j], np.r_[j, i])), shape=(n, n)).tocsr()
+
+
+def _junctions(points, graph, tree, *, inner=2.2, outer=4.0):
+    """(n,) bool, nodes from which three or more arms lead through the ring between two radii."""
+    flags = np.zeros(len(points), bool)
+    starts, targets = graph.indptr, graph.indices
+    for k, ball in enumerate(tree.query_ball_point(points, outer)):
+        inside, seen, front = set(ball), {k}, [k]
+        while front:
+            front = [t for f in front for t in targets[starts[f] : starts[f + 1]] if t in inside and t not in seen]
+            front = list(dict.fromkeys(front))
+            seen.update(front)
+        ring = [b for b in seen if np.abs(points[b] - points[k]).max() > inner / 2]
+        ring = {b for b in ring if ((points[b] - points[k]) ** 2).sum() > inner**2}
+        arms = 0
+        while ring:
+            arms += 1
+            front = [ring.pop()]
+            while front:
+                front = [t for f in front for t in targets[starts[f] : starts[f + 1]] if t in ring]
+                ring.difference_update(front)
+        flags[k] = arms >= 3
+    return flags
 
 
 def _longest_shortest_path(graph):
@@ -144,11 +171,11 @@ def fit_curves(paths, points, tangents, weight, *, radius=1.5, smoothing=1.0):
     Pieces that continue each other are joined first; a path whose ends meet is closed.
     Returns a list of (k, 3) points and a list of bool.
     """
-    from .linking import join_paths
-    from .network import resample_polyline, smooth_polyline
-
     curves, closed = [], []
-    for path, ring in join_paths(paths):
+    pieces = [piece for path in paths for piece in split_at_corners(_even(path))]
+    for path, ring in join_paths(pieces):
+        if np.linalg.norm(np.diff(path, axis=0), axis=1).sum() < SHORTEST:
+            continue
         line = resample_polyline(path, 1.0, ring)
         line = smooth_polyline(line, smoothing, ring)
         line = _pull(line, points, tangents, weight, radius, ring)
@@ -156,6 +183,11 @@ def fit_curves(paths, points, tangents, weight, *, radius=1.5, smoothing=1.0):
         curves.append(line)
         closed.append(ring)
     return curves, closed
+
+
+def _even(path):
+    """A path through nodes as a smooth line of samples one edge length apart."""
+    return resample_polyline(smooth_polyline(resample_polyline(path, 1.0, False), 1.0, False), 1.0, False)
 
 
 def _pull(line, points, tangents, weight, radius, ring):

@@ -25,7 +25,8 @@ def join_paths(paths, *, gap=6.0, angle=35.0, reach=6):
         return []
     tip = np.concatenate([[p[0], p[-1]] for p in paths])
     way = np.concatenate([[_outward(p[::1], reach), _outward(p[::-1], reach)] for p in paths])
-    partner = match_ends(tip, way, np.repeat(np.arange(len(paths)), 2), [len(p) for p in paths], gap, angle)
+    arms = [arm for p in paths for arm in (p[:ARM], p[::-1][:ARM])]
+    partner = match_ends(tip, way, arms, [len(p) for p in paths], gap, angle)
     out, used = [], np.zeros(len(paths), bool)
     for i in range(len(paths)):
         if used[i]:
@@ -43,8 +44,12 @@ def _outward(path, reach):
     return v / max(np.linalg.norm(v), 1e-12)
 
 
-def match_ends(tip, way, owner, size, gap, angle):
-    """(e,) int64, the end that each end is joined to, or -1; a matching that takes the best pairs first."""
+def match_ends(tip, way, arms, size, gap, angle):
+    """(e,) int64, the end that each end is joined to, or -1; a matching that takes the smoothest pairs first.
+
+    tip, way : (e, 3) float64, ends and the directions out of them; arms : e arrays (k, 3), samples from each end
+    inwards; size : samples of each path, whose ends are 2 i and 2 i + 1
+    """
     partner = np.full(len(tip), -1)
     pair = cKDTree(tip).query_pairs(gap, output_type="ndarray")
     if not len(pair):
@@ -59,13 +64,47 @@ def match_ends(tip, way, owner, size, gap, angle):
     near = length < 1.5
     good = (facing > limit) & (near | ((out_i > limit) & (out_j > limit)))
     # A path closes on itself only if it is much longer than the gap.
-    own = owner[i] == owner[j]
-    good &= ~own | (np.asarray(size)[owner[i]] > 4 * np.maximum(length, 2))
-    i, j, cost = i[good], j[good], (length + 4 * (1 - facing))[good]
+    own = i // 2 == j // 2
+    good &= ~own | (np.asarray(size)[i // 2] > 4 * np.maximum(length, 2))
+    i, j, length = i[good], j[good], length[good]
+    cost = length / 4 + [4 * bend(arms[a], arms[b]) for a, b in zip(i, j)]
     for k in np.lexsort((j, i, cost)):
         if partner[i[k]] < 0 and partner[j[k]] < 0:
             partner[i[k]], partner[j[k]] = j[k], i[k]
     return partner
+
+
+ARM = 9
+"""Samples of an end that say how it goes on."""
+
+
+def bend(a, b):
+    """RMS distance of two arms, each from its end inwards, from one parabola through both (edge lengths)."""
+    line = np.concatenate([a[::-1], b])
+    step = np.linalg.norm(np.diff(line, axis=0), axis=1)
+    s = np.concatenate([[0], np.cumsum(step)])
+    s = s / max(s[-1], 1e-12)
+    basis = np.stack([np.ones_like(s), s, s * s], axis=1)
+    fit = basis @ np.linalg.lstsq(basis, line, rcond=None)[0]
+    return float(np.sqrt(((fit - line) ** 2).sum(1).mean()))
+
+
+def split_at_corners(path, *, arm=3, angle=60.0, least=4):
+    """A line of samples one edge length apart, cut where it turns by more than `angle` degrees within 2 `arm`."""
+    if len(path) < 2 * arm + 1:
+        return [path]
+    before, after = path[arm:-arm] - path[: -2 * arm], path[2 * arm :] - path[arm:-arm]
+    size = np.linalg.norm(before, axis=1) * np.linalg.norm(after, axis=1)
+    cosine = (before * after).sum(1) / np.maximum(size, 1e-12)
+    bounds = [0]
+    for k in np.argsort(cosine, kind="stable"):
+        if cosine[k] > np.cos(np.radians(angle)):
+            break
+        at = int(k) + arm
+        if all(abs(at - b) >= least for b in [*bounds, len(path) - 1]):
+            bounds.append(at)
+    bounds = [*sorted(bounds), len(path) - 1]
+    return [path[a : b + 1] for a, b in zip(bounds[:-1], bounds[1:])]
 
 
 def _chain(start, partner):

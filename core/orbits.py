@@ -12,7 +12,7 @@ from .network import CurveNetwork
 from .rigid import embed, exponential, inverse, motion, rotation_vector, screw_velocity
 from .support import Screen
 
-ROOTS, SHARE, SAME, DISTINCT = 12, 0.75, 5.0, 0.25
+ROOTS, SHARE, SAME, DISTINCT = 12, 0.75, 5.0, 0.4
 """Roots that are tried, share of the support that a root must keep, RMS edge lengths within which motions are one,
 and the share of its support by which a motion must stand out from those beside it."""
 
@@ -63,7 +63,8 @@ def detect_orbits(network: CurveNetwork, clusters: Clusters, screen: Screen, *, 
     finder = _Finder(network, clusters, screen)
     limit = 1.2 * clusters.chance
     left = np.flatnonzero(clusters.support > limit)[:100]
-    left = left[finder.screen.prominence(clusters.motions[left]) > DISTINCT * clusters.support[left]]
+    distinct = finder.screen.prominence(clusters.motions[left])
+    left = left[distinct > np.maximum(DISTINCT * clusters.support[left], clusters.chance)]
     total, found = max(1, len(left)), []
     while len(left) and len(found) < 40:
         orbit = finder.orbit(clusters.motions[left[0]], clusters.motions[left])
@@ -185,12 +186,13 @@ class _Finder:
             order = int(round(2 * np.pi / np.linalg.norm(twist[:3])))
             snapped = twist * (2 * np.pi / order / np.linalg.norm(twist[:3]))
             k = np.arange(1, order)
-            seen = self.screen.score(exponential(snapped * k[:, None])) > self.chance
+            seen = self.screen.score(exponential(snapped * k[:, None]))
+            seen = seen > max(2 * self.chance, 0.3 * seen.max(initial=0))
             if order > 1 and seen.mean() >= 0.6 and self.motion_of(twist[None] - snapped[None])[0, 0] < 0.02 * size:
                 closed, twist = True, snapped
         k = np.arange(1, (order - 1 if closed else most) + 1)
         support = self.screen.score(exponential(twist * k[:, None]))
-        seen = support > self.chance
+        seen = support > 2 * self.chance
         if closed:
             return twist, order - 1, True, float(support.sum())
         # Steps are counted on until three in a row are missing: a motion far out may agree by chance.

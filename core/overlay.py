@@ -116,6 +116,8 @@ def cell_coordinates(orbit: Orbit, points, margin):
     across, up = local @ x, local @ np.cross(axis, x)
     radius = np.hypot(across, up)
     angle = np.arctan2(up, across)
+    if not orbit.closed:
+        angle = (angle - _widest_gap(angle)) % (2 * np.pi)
     pitch = (axis @ v) / step
     if orbit.kind == "screw" and abs(pitch) > 1e-9:
         angle = angle + 2 * np.pi * np.round(((local @ axis) / pitch - angle) / (2 * np.pi))
@@ -123,6 +125,14 @@ def cell_coordinates(orbit: Orbit, points, margin):
     if orbit.closed:
         u %= orbit.count[0] + 1
     return u, np.minimum(margin / np.maximum(radius * step, 1e-9), 0.3)[:, None]
+
+
+def _widest_gap(angle):
+    """Middle of the widest gap between angles: where an arc's angles are cut open."""
+    ordered = np.sort(angle)
+    gap = np.diff(np.concatenate([ordered, ordered[:1] + 2 * np.pi]))
+    k = int(np.argmax(gap))
+    return ordered[k] + gap[k] / 2
 
 
 def best_cut(u, weight, bins=96):

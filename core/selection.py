@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .clustering import perturbed
 from .network import CurveNetwork
 from .orbits import Orbit
 from .rigid import inverse
-from .support import Screen, long_stretches
+from .support import Screen, long_stretches, slips
 
 
 @dataclass(frozen=True)
@@ -20,7 +21,7 @@ class Model:
     orbits : the transformations that are kept, most support first
     log_bayes_factor : (k,) float64, log K of the model with each against the model without it
     of_curve : (m,) int64, the transformation that generated each curve (index into `orbits`), -1 for T_null
-    hits : (k, n) int64, occurrences that show each sample under each transformation
+    hits : (k, n) int64, occurrences that show each sample under each transformation, slipping ones included
     support : (k,) float64, length of the samples that recur under each, edge lengths
     """
 
@@ -59,33 +60,45 @@ def curve_affinities(network: CurveNetwork, orbit: Orbit, screen: Screen, *, t):
 
     Returns (m,) float64 and (n,) int64, the recurrences that show each sample. The motion being given, a match is
     an unbroken stretch of samples on the network; its samples have affinity l exp(-d / (0.5 t)), others 0.
+    What motions a little beside explain is chance and is taken off: else many recurrences, each explaining a
+    little by chance, would add up to an explanation. What slips along the motions tells nothing for them.
     """
-    n = len(network.points)
     powers = orbit.generators if orbit.kind == "single" else orbit.power(orbit.powers)
     if orbit.kind == "single":
         powers = np.concatenate([powers, inverse(powers)])
-    total, hits = np.zeros(n), np.zeros(n, np.int64)
+    total, hits = _affinity(network, powers, screen, t)
+    chance, _ = _affinity(network, perturbed(powers, screen.points.std(axis=0)), screen, t)
     counts = np.diff(network.offsets)
-    least = np.minimum(screen.least, counts)[network.curve_of]
-    for i in range(0, len(powers), max(1, 400_000 // n)):
-        part = powers[i : i + max(1, 400_000 // n)]
+    own, other = (np.add.reduceat(x, network.offsets[:-1]) / counts for x in (total, chance))
+    return np.maximum(own - other, 0), hits
+
+
+def _affinity(network, powers, screen, t):
+    """Affinity (n,) float64 and recurrences (n,) int64 of every sample, summed over the motions."""
+    n = len(network.points)
+    total, hits = np.zeros(n), np.zeros(n, np.int64)
+    least = np.minimum(screen.least, np.diff(network.offsets))[network.curve_of]
+    size = max(1, 400_000 // n)
+    for i in range(0, len(powers), size):
+        part = powers[i : i + size]
         near, hit = screen.nearest(part)
         hit = long_stretches(hit, screen.curve, least)
-        moved = network.points @ np.swapaxes(part[:, :3, :3], 1, 2) + part[:, None, :3, 3]
-        offset = moved - network.points[near]
-        line = network.tangents[near]
-        offset -= line * (offset * line).sum(-1)[..., None]
-        distance = np.sqrt((offset**2).sum(-1))
-        for h, d in zip(hit, distance):
-            if not h.any():
-                continue
-            begin = h & np.concatenate([[True], ~h[:-1] | (network.curve_of[1:] != network.curve_of[:-1])])
-            label = (np.cumsum(begin) - 1)[h]
-            length = np.bincount(label, network.weights[h])
-            mean = np.bincount(label, d[h]) / np.bincount(label)
-            total[h] += (length * np.exp(-mean / (0.5 * t)))[label]
         hits += hit.sum(axis=0)
-    return np.add.reduceat(total, network.offsets[:-1]) / counts, hits
+        h, k = np.nonzero(hit & ~slips(part, screen.points, screen.tangents))
+        if not len(h):
+            continue
+        moved = np.einsum("nij,nj->ni", part[h, :3, :3], network.points[k]) + part[h, :3, 3]
+        target, line = network.points[near[h, k]], network.tangents[near[h, k]]
+        offset = moved - target
+        offset -= line * (offset * line).sum(-1)[:, None]
+        distance = np.sqrt((offset**2).sum(-1))
+        new = np.ones(len(h), bool)
+        new[1:] = (h[1:] != h[:-1]) | (k[1:] != k[:-1] + 1) | (network.curve_of[k[1:]] != network.curve_of[k[:-1]])
+        run = np.cumsum(new) - 1
+        length = np.bincount(run, network.weights[k])
+        mean = np.bincount(run, distance) / np.bincount(run)
+        total += np.bincount(k, (length * np.exp(-mean / (0.5 * t)))[run], minlength=n)
+    return total, hits
 
 
 def eliminate(affinity, null, bayes_ratio):

@@ -148,7 +148,8 @@ def extract_templates(network: CurveNetwork, model, clusters, screen, *, epsilon
     drafts = []
     lines = [k for k, o in enumerate(model.orbits) if o.kind != "single"]
     for at, k in enumerate(lines):
-        own = np.isin(model.of_curve, (-1, k))[network.curve_of]
+        # What slips along this transformation may have been given to another one, but is shown by it all the same.
+        own = np.isin(model.of_curve, (-1, k))[network.curve_of] | (model.hits[k] >= 2)
         use = np.flatnonzero(own & ~explained)
         if len(use) < 2:
             continue
