@@ -12,7 +12,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components, dijkstra
 from scipy.spatial import cKDTree
 
-from .linking import join_paths, split_at_corners
+from .linking import join_images, join_paths, split_at_corners
 from .network import resample_polyline, smooth_polyline
 
 SPACING, LINK, SHORTEST = 0.7, 2.6, 5.0
@@ -165,15 +165,21 @@ def _longest_shortest_path(graph):
     return np.array(path)
 
 
-def fit_curves(paths, points, tangents, weight, *, radius=1.5, smoothing=1.0):
+def fit_curves(paths, points, tangents, weight, *, images=(), radius=1.5, smoothing=1.0):
     """Smooth curves along paths through the points, one edge length between their samples.
 
-    Pieces that continue each other are joined first; a path whose ends meet is closed.
+    Pieces that continue each other are joined first, then those that continue each other in a neighbouring cell,
+    which `images` (p, 4, 4) lead to; a path whose ends meet is closed.
     Returns a list of (k, 3) points and a list of bool.
     """
     curves, closed = [], []
     pieces = [piece for path in paths for piece in split_at_corners(_even(path))]
-    for path, ring in join_paths(pieces):
+    joined = join_paths(pieces)
+    if len(images):
+        whole = join_images([p for p, ring in joined if not ring], images)
+        joined = join_paths(whole) + [(p, ring) for p, ring in joined if ring]
+        points, tangents, weight = _with_images(points, tangents, weight, images)
+    for path, ring in joined:
         if np.linalg.norm(np.diff(path, axis=0), axis=1).sum() < SHORTEST:
             continue
         line = resample_polyline(path, 1.0, ring)
@@ -183,6 +189,13 @@ def fit_curves(paths, points, tangents, weight, *, radius=1.5, smoothing=1.0):
         curves.append(line)
         closed.append(ring)
     return curves, closed
+
+
+def _with_images(points, tangents, weight, images):
+    """Points with their images in the neighbouring cells, for curves that reach into those."""
+    moved = [points @ m[:3, :3].T + m[:3, 3] for m in images]
+    turned = [tangents @ m[:3, :3].T for m in images]
+    return np.concatenate([points, *moved]), np.concatenate([tangents, *turned]), np.tile(weight, len(images) + 1)
 
 
 def _even(path):

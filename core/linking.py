@@ -50,28 +50,90 @@ def match_ends(tip, way, arms, size, gap, angle):
     tip, way : (e, 3) float64, ends and the directions out of them; arms : e arrays (k, 3), samples from each end
     inwards; size : samples of each path, whose ends are 2 i and 2 i + 1
     """
-    partner = np.full(len(tip), -1)
-    pair = cKDTree(tip).query_pairs(gap, output_type="ndarray")
-    if not len(pair):
-        return partner
+    pair = cKDTree(tip).query_pairs(gap, output_type="ndarray").reshape(-1, 2)
     i, j = pair.T
-    across = tip[j] - tip[i]
-    length = np.linalg.norm(across, axis=1)
-    line = across / np.maximum(length, 1e-12)[:, None]
-    facing = -(way[i] * way[j]).sum(1)
-    out_i, out_j = (line * way[i]).sum(1), -(line * way[j]).sum(1)
-    limit = np.cos(np.radians(angle))
-    near = length < 1.5
-    good = (facing > limit) & (near | ((out_i > limit) & (out_j > limit)))
     # A path closes on itself only if it is much longer than the gap.
-    own = i // 2 == j // 2
-    good &= ~own | (np.asarray(size)[i // 2] > 4 * np.maximum(length, 2))
-    i, j, length = i[good], j[good], length[good]
-    cost = length / 4 + [4 * bend(arms[a], arms[b]) for a, b in zip(i, j)]
+    length = np.linalg.norm(tip[j] - tip[i], axis=1)
+    fits = (i // 2 != j // 2) | (np.asarray(size)[i // 2] > 4 * np.maximum(length, 2))
+    i, j = i[fits], j[fits]
+    cost = continuation_cost(tip[i], way[i], [arms[k] for k in i], tip[j], way[j], [arms[k] for k in j], angle)
+    partner = np.full(len(tip), -1)
     for k in np.lexsort((j, i, cost)):
-        if partner[i[k]] < 0 and partner[j[k]] < 0:
+        if np.isfinite(cost[k]) and partner[i[k]] < 0 and partner[j[k]] < 0:
             partner[i[k]], partner[j[k]] = j[k], i[k]
     return partner
+
+
+def continuation_cost(tip_a, way_a, arms_a, tip_b, way_b, arms_b, angle):
+    """(k,) float64, how badly ends continue each other; infinite where they do not.
+
+    Ends continue each other when both point across the gap and against each other, within `angle` degrees.
+    """
+    across = tip_b - tip_a
+    length = np.linalg.norm(across, axis=1)
+    line = across / np.maximum(length, 1e-12)[:, None]
+    facing = -(way_a * way_b).sum(1)
+    out_a, out_b = (line * way_a).sum(1), -(line * way_b).sum(1)
+    limit = np.cos(np.radians(angle))
+    fits = (facing > limit) & ((length < 1.5) | ((out_a > limit) & (out_b > limit)))
+    cost = np.full(len(length), np.inf)
+    for k in np.flatnonzero(fits):
+        cost[k] = length[k] / 4 + 4 * bend(arms_a[k], arms_b[k])
+    return cost
+
+
+def join_images(paths, images, *, gap=8.0, angle=35.0, reach=6):
+    """Join paths of a cell across its border, where the image of one under a neighbour's motion goes on.
+
+    Parameters
+    ----------
+    paths : list of (k, 3) float64, open
+    images : (p, 4, 4) float64, motions to the neighbouring cells, each with its inverse
+
+    Returns
+    -------
+    list of (k, 3), the joined paths and those that were not joined. A path that its own image continues runs
+    through all cells and stays as it is.
+    """
+    if not paths:
+        return []
+    tip = np.concatenate([[p[0], p[-1]] for p in paths])
+    way = np.concatenate([[_outward(p, reach), _outward(p[::-1], reach)] for p in paths])
+    arms = [arm for p in paths for arm in (p[:ARM], p[::-1][:ARM])]
+    rows = []
+    tree = cKDTree(tip)
+    for m, motion in enumerate(images):
+        r, t = motion[:3, :3], motion[:3, 3]
+        near = tree.query_ball_point(tip @ r.T + t, gap)
+        b = np.repeat(np.arange(len(tip)), [len(k) for k in near])
+        a = np.array([k for ball in near for k in ball], np.int64)
+        if not len(a):
+            continue
+        moved = [arms[k] @ r.T + t for k in b]
+        cost = continuation_cost(tip[a], way[a], [arms[k] for k in a], tip[b] @ r.T + t, way[b] @ r.T, moved, angle)
+        rows += [(c, int(i), int(j), m) for c, i, j in zip(cost, a, b) if np.isfinite(c)]
+    partner, power = np.full(len(tip), -1), {}
+    for cost, a, b, m in sorted(rows):
+        if partner[a] < 0 and partner[b] < 0 and a != b:
+            partner[a], partner[b] = b, a
+            power[a], power[b] = images[m], np.linalg.inv(images[m])
+    endless = partner // 2 == np.arange(len(tip)) // 2
+    partner[endless] = -1
+    out, used = [], np.zeros(len(paths), bool)
+    for i in range(len(paths)):
+        if used[i]:
+            continue
+        chain, closed = _chain(i, partner)
+        used[[end // 2 for end in chain]] = True
+        motion, parts = np.eye(4), []
+        for k, end in enumerate(chain):
+            path = paths[end // 2] if end % 2 == 0 else paths[end // 2][::-1]
+            parts.append(path @ motion[:3, :3].T + motion[:3, 3])
+            if k + 1 < len(chain):
+                motion = motion @ power[end ^ 1]
+        out.append(np.concatenate(parts))
+        del closed
+    return out
 
 
 ARM = 9

@@ -41,12 +41,13 @@ def fold_orbit(network: CurveNetwork, orbit: Orbit, samples, weight, *, margin=1
 
     Parameters
     ----------
-    samples : (k,) int64, samples that take part
+    samples : (k,) int64, samples that take part, ascending
     weight : (k,) float64, how much each says about where the cells begin: the cut goes where least is cut
     """
     points = network.points[samples]
     u, reach = cell_coordinates(orbit, points, margin)
-    u = u - best_cut(u, weight)
+    follows = (np.diff(samples) == 1) & (np.diff(network.curve_of[samples]) == 0)
+    u = u - best_cut(u, weight, follows)
     low = np.floor(u).astype(np.int64)
     index, key, inner = [np.arange(len(u))], [low], [np.ones(len(u), bool)]
     fraction = u - low
@@ -135,29 +136,40 @@ def _widest_gap(angle):
     return ordered[k] + gap[k] / 2
 
 
-def best_cut(u, weight, bins=96):
-    """Offsets (g,) of the cells that cut the least of the curves (grid origin, section 5.2)."""
+def best_cut(u, weight, follows, bins=120):
+    """Offsets (g,) of the cells that cut the fewest curves (grid origin, section 5.2).
+
+    The paper bins the projected curves and takes the emptiest place. What counts is how often a cut at that place
+    would cross a curve; a curve beside the cut and parallel to it is whole, though it fills the bin.
+
+    u : (n, g) float64, powers of the generators; follows : (n - 1,) bool, whether sample i + 1 continues sample i
+    """
     cut = np.zeros(u.shape[1])
+    first = np.flatnonzero(follows)
     for axis in range(u.shape[1]):
-        place = np.floor((u[:, axis] % 1) * bins).astype(np.int64) % bins
-        amount = np.bincount(place, weight, minlength=bins)
-        k = np.arange(-4, 5)
-        smooth = sum(np.roll(amount, j) * (5 - abs(j)) for j in k)
-        low = smooth <= smooth.min() + 0.02 * (np.median(smooth) - smooth.min()) + 1e-12
-        # The middle of the widest gap.
-        run = _longest_run(low)
-        cut[axis] = (run + 0.5) / bins
+        a, b = u[first, axis], u[first + 1, axis]
+        low, high = np.ceil(np.minimum(a, b) * bins).astype(np.int64), np.floor(np.maximum(a, b) * bins).astype(np.int64)
+        use = (high >= low) & (high - low < bins)
+        amount = np.bincount(low[use] % bins, weight[first][use], minlength=bins)
+        amount -= np.bincount((high[use] + 1) % bins, weight[first][use], minlength=bins)
+        wrapped = (high[use] + 1) // bins > low[use] // bins
+        crossings = np.cumsum(amount) + weight[first][use][wrapped].sum()
+        near = np.bincount(np.round(u[:, axis] * bins).astype(np.int64) % bins, weight, minlength=bins)
+        k = np.arange(-3, 4)
+        # Crossings first; of equal places the one with the most room around.
+        cost = sum(np.roll(crossings, j) for j in k) / len(k) + 0.1 * sum(np.roll(near, j) for j in k) / len(k)
+        low = cost <= cost.min() + 0.02 * (np.median(cost) - cost.min()) + 1e-9
+        cut[axis] = _middle_of_longest_run(low) / bins
     return cut
 
 
-def _longest_run(low):
-    twice = np.concatenate([low, low])
-    best, length, at = 0, 0, int(np.argmax(low))
-    for i, flag in enumerate(twice):
-        length = length + 1 if flag else 0
-        if length > best and length <= len(low):
-            best, at = length, i - length // 2
-    return at % len(low)
+def _middle_of_longest_run(low):
+    """Index of the middle of the longest run of True in a ring of flags."""
+    turn = int(np.argmin(low)) if not low.all() else 0
+    ring = np.concatenate([[False], np.roll(low, -turn), [False]])
+    begin, end = np.flatnonzero(~ring[:-1] & ring[1:]), np.flatnonzero(ring[:-1] & ~ring[1:])
+    best = int(np.argmax(end - begin))
+    return ((begin[best] + end[best] - 1) // 2 + turn) % len(low)
 
 
 def agreement(overlay: Overlay, *, radius, cosine=0.8, stretch=8, shifts=None, progress=None):

@@ -34,7 +34,9 @@ class Draft:
     transformation: int
 
 
-def consolidate(network: CurveNetwork, overlay: Overlay, transformation: int, *, epsilon, progress=None) -> Draft:
+def consolidate(
+    network: CurveNetwork, overlay: Overlay, transformation: int, *, epsilon, images=(), progress=None
+) -> Draft:
     """The curves on which the occurrences of an overlay agree.
 
     A sample is kept when enough other occurrences show it: as many as leave only `CHANCE_SHARE` to chance, which
@@ -50,7 +52,7 @@ def consolidate(network: CurveNetwork, overlay: Overlay, transformation: int, *,
     if not keep.any():
         return empty
     points, tangents = condense(mean[keep], overlay.tangents[keep], weight[keep], radius=1.25 * epsilon)
-    curves, closed = fit_curves(trace_curves(points, tangents), points, tangents, weight[keep])
+    curves, closed = fit_curves(trace_curves(points, tangents), points, tangents, weight[keep], images=images)
     if not curves:
         return empty
     evidence = seen_share(network, curves, overlay.poses, radius=1.25 * epsilon)
@@ -155,7 +157,9 @@ def extract_templates(network: CurveNetwork, model, clusters, screen, *, epsilon
             continue
         overlay = fold_orbit(network, model.orbits[k], use, model.hits[k][use].astype(float))
         report = (lambda f, at=at: progress("completion", (at + f) / (len(lines) + 1))) if progress else None
-        draft = consolidate(network, overlay, k, epsilon=epsilon, progress=report)
+        step = np.eye(len(model.orbits[k].twists), dtype=np.int64)
+        images = model.orbits[k].power(np.concatenate([step, -step]))
+        draft = consolidate(network, overlay, k, epsilon=epsilon, images=images, progress=report)
         found = group(draft, CHANCE_SEEN)
         drafts += found
         for one in found:

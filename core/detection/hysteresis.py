@@ -35,6 +35,35 @@ def clear_segments(segments: np.ndarray, points: np.ndarray, clear: np.ndarray, 
     return np.stack([a, b], axis=1)[kept[run]]
 
 
+def without_faint_tails(segments: np.ndarray, count: int, strong: np.ndarray, bridge: np.ndarray) -> np.ndarray:
+    """Segments without the ends of lines that hang on by a bridge and are nowhere strong.
+
+    A faint piece between two strong ones carries a line on; one behind the last strong point was joined by
+    chance as often as not.
+
+    Parameters
+    ----------
+    segments : (s, 2) int64, over `count` points
+    strong, bridge : (count,) bool, strong points, and points of bridges over gaps
+    """
+    lines = chains(segments, count)
+    label, position = lines.label, np.arange(len(lines.nodes))
+    is_strong, is_bridge = strong[lines.nodes], bridge[lines.nodes]
+    first, last = lines.offsets[1:].copy(), np.full(len(lines), -1)
+    np.minimum.at(first, label[is_strong], position[is_strong])
+    np.maximum.at(last, label[is_strong], position[is_strong])
+    # lines without a strong point have first beyond and last before all of theirs: they are left as they are
+    some = last >= 0
+    head, tail = np.full(len(lines), -1), lines.offsets[1:].copy()
+    before = is_bridge & (position < first[label]) & some[label]
+    behind = is_bridge & (position > last[label]) & some[label]
+    np.maximum.at(head, label[before], position[before])
+    np.minimum.at(tail, label[behind], position[behind])
+    kept = (position > head[label]) & (position < tail[label]) | lines.closed[label]
+    a, b = lines.following()
+    return np.stack([lines.nodes[a], lines.nodes[b]], axis=1)[kept[a] & kept[b]]
+
+
 def starting_at(lines: Chains, wanted: np.ndarray) -> Chains:
     """The chains with every closed one turned so that it starts at a wanted node, if it has any.
 

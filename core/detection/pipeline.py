@@ -10,7 +10,7 @@ import numpy as np
 from ..errors import InputError
 from ..values import Curves
 from .extremality import crest_lines
-from .hysteresis import clear_segments
+from .hysteresis import clear_segments, without_faint_tails
 from .lines import Lines, weights
 from .linking import linked
 from .merging import without_doubles, without_spurs
@@ -113,9 +113,13 @@ def _lines(kind, mesh, field, surface, parameters, tick) -> Lines:
     lines = lines.with_segments(clear_segments(lines.segments, lines.points, clear, parameters.bridge * h))
     lines = without_doubles(lines, parameters.merge * h)
     tick(0.4)
+    traced = len(lines.points)
     for _ in range(2):  # what was short before the first round may be long enough for a wider gap in the second
         lines = linked(lines, surface, field, gap=parameters.gap * h, turn=np.radians(parameters.turn))
     tick(0.7)
+    strong = lines.fold >= np.radians(parameters.strong_fold)
+    bridge = np.arange(len(lines.points)) >= traced
+    lines = lines.with_segments(without_faint_tails(lines.segments, len(lines.points), strong & ~bridge, bridge))
     lines = without_spurs(lines, parameters.min_length * h)
     return _strong(lines, parameters, h)
 
