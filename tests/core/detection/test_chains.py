@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from core.detection.chains import chains
-from core.detection.hysteresis import clear_segments
+from core.detection.hysteresis import clear_segments, without_faint_tails
 from tests.core.detection import oracle
 
 GRAPHS = st.lists(st.tuples(st.integers(0, 14), st.integers(0, 14)), max_size=30)
@@ -68,6 +68,21 @@ def test_a_faint_stretch_over_the_start_of_a_loop_is_one():
     clear = [0, 1, 1, 1, 1, 1, 1, 0]
     assert len(left(clear, 3.0001, closed=True)) == 8
     assert left(clear, 2.9, closed=True) == {(i, i + 1) for i in range(1, 6)}
+
+
+def test_faint_pieces_behind_a_bridge_go_and_those_between_strong_ones_stay():
+    segments = np.stack([np.arange(9), np.arange(1, 10)], axis=1)
+
+    def kept(strong, bridge):
+        masks = (np.isin(np.arange(10), x) for x in (strong, bridge))
+        return sorted({i for s in without_faint_tails(segments, 10, *masks).tolist() for i in s})
+
+    assert kept([1, 8], [4]) == list(range(10))
+    assert kept([1], [4]) == [0, 1, 2, 3]
+    assert kept([8], [2, 4]) == [5, 6, 7, 8, 9]
+    assert kept([5], [2, 8]) == [3, 4, 5, 6, 7]
+    assert kept([5], []) == list(range(10))
+    assert kept([], [5]) == list(range(10))
 
 
 def test_nothing_gives_nothing():
