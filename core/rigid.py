@@ -33,15 +33,15 @@ def largest_overlap(covariance, bound, rounds=12):
     above descend to the largest root and never pass it.
     """
     e1, e2, det = invariants(np.moveaxis(covariance, 0, -1))
-    x = np.maximum(bound, np.sqrt(np.maximum(3 * e1, 0)))
-    x = np.minimum(x, np.sqrt(3 * e1) + 1e-300)
+    x = np.minimum(bound, np.sqrt(3 * e1))
     constant = e1 * e1 - 4 * e2
     for _ in range(rounds):
         square = x * x
         value = (square - 2 * e1) * square - 8 * det * x + constant
         slope = 4 * x * (square - e1) - 8 * det
-        step = np.where(slope > 0, value / np.where(slope > 0, slope, 1), 0)
-        x = x - np.maximum(step, 0)
+        # At a double root (straight stretches) both vanish; what rounding leaves of them must not make a step.
+        steep = (slope > 0) & (value > 1e-14 * square * square)
+        x = x - np.where(steep, value / np.where(steep, slope, 1), 0)
     return x
 
 
