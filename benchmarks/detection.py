@@ -69,7 +69,7 @@ def on_surfaces():
             errors = [100 * _error(*make(n, **options), d, within) for n, d in zip(sizes, details)]
             told = " ".join(f"{d:.1f}" for d in details)
             print(f"  detail {told}  {name:22s}" + "".join(f"{e:8.3f}" for e in errors))
-    gentle = DetectionParameters(strong_fold=2.0, weak_fold=0.5)
+    gentle = DetectionParameters(detail=1.0, strong_fold=2.0, weak_fold=0.5)
     for level in (4, 5, 6):
         mesh = TriangleMesh.of(*surfaces.ellipsoid(level))
         found = detect(mesh, parameters=gentle)
