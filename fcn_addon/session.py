@@ -14,6 +14,7 @@ from . import progress, results, scene_writer, sources, summary, views
 from .job import Job
 
 PATIENCE = 5.0  # seconds to wait for a thread that was asked to stop
+GRACE = 0.3  # seconds that the window waits for it; what is still at work then is left to end by itself
 
 
 @dataclass
@@ -21,6 +22,7 @@ class Run:
     """A task at work.
 
     timer : of the window, kept here so that whatever ends the run can remove it
+    asked : when it was asked to stop
     """
 
     task: sources.Task
@@ -28,9 +30,17 @@ class Run:
     progress: progress.Progress
     timer: object = None
     shown: tuple = field(default=())
+    asked: float | None = None
+
+    @property
+    def over(self) -> bool:
+        """Whether there is nothing more to wait for."""
+        late = self.asked is not None and time.monotonic() - self.asked > GRACE
+        return late or not self.job.running
 
 
 _run = None
+_leaving = []  # jobs that were asked to stop and have not yet
 
 
 def running() -> bool:
@@ -136,19 +146,32 @@ def _hide(context, scene, task):
 
 def cancel():
     """Ask the run to stop; it ends within its next steps."""
-    if _run is not None:
+    if _run is not None and _run.asked is None:
+        _run.asked = time.monotonic()
         _run.job.stop()
 
 
+def leave(context):
+    """Forget the run without waiting for its thread, which ends at its next step; nothing takes its result then."""
+    global _leaving
+    if _run.job.running:
+        _run.job.stop()
+        _leaving = [job for job in (*_leaving, _run.job) if job.running]
+    _forget(context)
+
+
 def end(context=None):
-    """Forget the run: its thread is asked to stop and waited for, its timer removed. Harmless where there is none."""
+    """Forget the run, and wait for all threads, which are asked to stop. Harmless where there is none."""
+    if _run is not None:
+        leave(context or bpy.context)
+    until = time.monotonic() + PATIENCE
+    while _leaving:
+        _leaving.pop().join(max(until - time.monotonic(), 0.1))
+
+
+def _forget(context):
     global _run
     run, _run = _run, None
-    if run is None:
-        return
     if run.timer is not None:
         timer, run.timer = run.timer, None
-        (context or bpy.context).window_manager.event_timer_remove(timer)
-    if run.job.running:
-        run.job.stop()
-        run.job.join(PATIENCE)
+        context.window_manager.event_timer_remove(timer)

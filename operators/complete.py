@@ -58,7 +58,7 @@ class FCN_OT_complete(bpy.types.Operator):
         if event.type == "TIMER":
             if session.tick():
                 viewports.redraw_panels(context)
-            if not self.run.job.running:
+            if self.run.over:
                 return self._end(context)
         return {"PASS_THROUGH"}
 
@@ -67,7 +67,7 @@ class FCN_OT_complete(bpy.types.Operator):
             session.end(context)
 
     def _end(self, context):
-        session.end(context)
+        session.leave(context)
         viewports.redraw_panels(context)
         try:
             root = session.finish(context, self.run.task, session.outcome(self.run))

@@ -153,7 +153,7 @@ def test_what_the_user_put_into_a_result_outlives_it(bpy, part, made):
     made.objects.link(mine)
     bpy.context.scene.collection.objects.link(mine)
     bpy.ops.fcn.remove_result()
-    assert "Mine" in bpy.data.objects and not [c for c in bpy.data.curves] and "Wall" in bpy.data.objects
+    assert "Mine" in bpy.data.objects and not list(bpy.data.curves) and "Wall" in bpy.data.objects
 
 
 @pytest.mark.parametrize("where", ["results.describe", "views.refresh", "scene_writer.write"])

@@ -14,6 +14,7 @@ import bpy
 
 EXTENSION = "bl_ext.user_default.fcn_addon"
 STEP = 0.02  # seconds between two looks at what the session waits for
+ROUNDS = 4  # of Blender's main loop, at least: a busy machine is slow to take in what the mouse does
 PATIENCE = 120.0
 
 
@@ -43,7 +44,7 @@ class Driver:
         """Start; Blender ends with the session, with 1 where it failed."""
         bpy.context.preferences.view.show_splash = False
         bpy.context.preferences.view.smooth_view = 0
-        self._session, self._wait, self._since = session, 0.5, time.monotonic()
+        self._session, self._wait, self._since, self._rounds = session, 0.5, time.monotonic(), 0
         bpy.app.timers.register(self._step, first_interval=0.5, persistent=True)
 
     def _step(self):
@@ -54,9 +55,10 @@ class Driver:
                     if now - self._since > PATIENCE:
                         raise TimeoutError(f"waited {PATIENCE:g} s in vain")
                     return STEP
-            elif now - self._since < self._wait:
+            elif now - self._since < self._wait or self._rounds < ROUNDS:
+                self._rounds += 1
                 return STEP
-            self._wait, self._since = next(self._session), time.monotonic()
+            self._wait, self._since, self._rounds = next(self._session), time.monotonic(), 0
             return STEP
         except StopIteration:
             print("window session: all as it should be", flush=True)

@@ -112,7 +112,50 @@ def session(driver):
     chosen = bpy.context.selected_objects
     assert chosen and {o.parent.users_collection[0] for o in chosen} == {result().transformations[0].home}
     driver.picture("6-selected")
-    return
+
+    for item in chosen[1:]:
+        item.select_set(False)
+    bpy.context.view_layer.objects.active = chosen[0]
+    yield 0.5
+    yield from driver.press("bpy.ops.fcn.select_source()")
+    yield 0.5
+    assert bpy.context.mode == "EDIT_MESH" and result().view == "INPUT"
+    driver.picture("7-source")
+    yield from driver.press("bpy.ops.fcn.select_result()")
+    yield 0.5
+    assert bpy.context.mode == "OBJECT" and chosen[0].select_get()
+
+    yield from driver.press("bpy.ops.fcn.edit_template()")
+    yield 0.5
+    assert bpy.context.mode == "EDIT_CURVE" and driver.area.spaces.active.local_view
+    driver.picture("8-edit-template")
+    yield from driver.press("bpy.ops.fcn.edit_template()")
+    yield 0.5
+    assert bpy.context.mode == "OBJECT" and not driver.area.spaces.active.local_view
+
+    yield from driver.press("bpy.ops.fcn.reject_occurrence()")
+    yield 0.3
+    assert not chosen[0].visible_get()
+    yield from driver.press("bpy.ops.fcn.reject_transformation()")
+    yield 0.5
+    assert not any(o.visible_get() for o in result().transformations[0].home.objects)
+    driver.picture("9-rejected")
+    yield from driver.press("bpy.ops.fcn.restore()")
+    yield 0.3
+    assert len(visible()) == size
+
+    name = settings().result.name
+    path = str(Path(bpy.app.tempdir) / "saved.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.ops.wm.read_homefile()
+    yield 0.5
+    bpy.ops.wm.open_mainfile(filepath=path)
+    yield 0.5
+    yield from driver.sidebar(CATEGORY)
+    assert settings().result.name == name and len(visible()) == size
+    yield from driver.choose("fcn_result.view", "TEMPLATES")
+    yield 0.5
+    driver.picture("10-reopened")
 
 
 if __name__ == "__main__":
