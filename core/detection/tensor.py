@@ -15,6 +15,9 @@ from .smoothing import Diffusion, corner_areas, corner_cotangents
 
 _TINY = 1e-300
 
+_BLOCK = 1 << 15
+"""Faces handled at a time where much is kept for each; it bounds the memory and fits the cache."""
+
 
 @dataclass(frozen=True)
 class Curvature:
@@ -231,11 +234,19 @@ def face_derivatives(shape: FaceShape, tensor, faces) -> np.ndarray:
     """(m, 4) float64: the symmetric derivative of the tensor in each face's frame, [Rus04] section 4.
 
     Components uuu, uuv, uvv, vvv; least squares over the three sides, off-diagonal entries counted twice.
+    Done in blocks, which bounds the memory.
     """
-    local = []
-    for j in range(3):
-        local.append(_in_frame(tensor[faces[:, j]], shape.u, shape.v))
-    su, sv = shape.side_u, shape.side_v
+    out = np.empty((len(faces), 4))
+    for start in range(0, len(faces), _BLOCK):
+        part = slice(start, start + _BLOCK)
+        out[part] = _derivatives(
+            faces[part], tensor, shape.u[part], shape.v[part], shape.side_u[part], shape.side_v[part]
+        )
+    return out
+
+
+def _derivatives(faces, tensor, u, v, su, sv):
+    local = [_in_frame(tensor[faces[:, j]], u, v) for j in range(3)]
     matrix = np.zeros((len(faces), 4, 4))
     right = np.zeros((len(faces), 4))
     A, B, C = (su * su).sum(1), (su * sv).sum(1), (sv * sv).sum(1)

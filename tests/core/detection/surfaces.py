@@ -72,7 +72,8 @@ def graph(n: int, height, size: float = 1.0, seed: int = 0, jitter: float = 0.25
     p = np.stack([x.ravel(), y.ravel()], axis=1)
     f = Delaunay(p).simplices.astype(np.int64)
     d = p[f]
-    area = np.cross(d[:, 1] - d[:, 0], d[:, 2] - d[:, 0])
+    p1, p2 = d[:, 1] - d[:, 0], d[:, 2] - d[:, 0]
+    area = p1[:, 0] * p2[:, 1] - p1[:, 1] * p2[:, 0]
     f = np.where(area[:, None] < 0, f[:, ::-1], f)
     f = f[np.abs(area) > 1e-3 * step**2]
     return np.column_stack([p, height(p[:, 0], p[:, 1])]), f

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Detection as a whole: exact crest lines, nothing where nothing is, invariances, noise, cancelling."""
 
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
@@ -245,6 +246,24 @@ def test_a_wrong_call_is_named():
     other = measure(TriangleMesh.of(*surfaces.sphere(1)))
     with pytest.raises(InputError, match="measure this mesh"):
         detect(mesh, field=other)
+
+
+def test_too_little_memory_is_told():
+    def full(stage, part):
+        raise MemoryError
+
+    v, f = sheet()
+    with pytest.raises(InputError, match="not enough memory for [0-9]+ faces: decimate"):
+        detect(TriangleMesh.of(v, f), progress=full)
+
+
+def test_memory_stays_below_a_kilobyte_a_face():
+    v, f, _ = surfaces.folded_sheet(200, 7, 50.0)
+    tracemalloc.start()
+    detect(TriangleMesh.of(v, f))
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak / len(f) < 1000
 
 
 def test_one_triangle_gives_nothing_but_its_boundary():
