@@ -311,7 +311,9 @@ def _thin(tracks, runs):
     p = pair[order]
     begin = np.concatenate([[True], p[1:] != p[:-1]])
     rank = np.arange(len(p)) - np.maximum.accumulate(np.where(begin, np.arange(len(p)), 0))
-    most = 1 + (tracks.counts[a[order]] + tracks.counts[b[order]]) // 32
+    # In a small network every pair counts; in a large one other pairs tell the same.
+    every = min(max(len(tracks.curves) // 2, 8), 32)
+    most = 1 + (tracks.counts[a[order]] + tracks.counts[b[order]]) // every
     return runs[order[rank < most]]
 
 
