@@ -57,8 +57,9 @@ def _template(network, draft, number, transformation, component):
 
 def _transformation(network, model, k, number, drafts):
     orbit = model.orbits[k]
-    keys = np.concatenate([d.keys for d in drafts if d.transformation == k and d.keys.shape[1] == len(orbit.twists)])
-    extent = np.stack([np.zeros(keys.shape[1], np.int64), keys.max(axis=0) - keys.min(axis=0)], axis=1)
+    seen = [d.keys for d in drafts if d.transformation == k and d.orbital]
+    high = np.ptp(np.concatenate(seen), axis=0) if seen else orbit.count
+    extent = np.stack([np.zeros(len(orbit.twists), np.int64), high], axis=1)
     return Transformation(
         number, orbit.kind, network.motion_to_world(orbit.generators), extent,
         float(model.log_bayes_factor[k]), float(model.support[k] / network.weights.sum()),

@@ -8,6 +8,7 @@ repeated measurements of one curve; the longest shortest paths then run through 
 from __future__ import annotations
 
 import numpy as np
+from scipy.ndimage import gaussian_filter1d
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components, dijkstra
 from scipy.spatial import cKDTree
@@ -184,7 +185,8 @@ def fit_curves(paths, points, tangents, weight, *, images=(), radius=1.5, smooth
             continue
         line = resample_polyline(path, 1.0, ring)
         line = smooth_polyline(line, smoothing, ring)
-        line = _pull(line, points, tangents, weight, radius, ring)
+        for _ in range(2):
+            line = _pull(line, points, tangents, weight, radius, ring)
         line = resample_polyline(smooth_polyline(line, smoothing, ring), 1.0, ring)
         curves.append(line)
         closed.append(ring)
@@ -203,19 +205,25 @@ def _even(path):
     return resample_polyline(smooth_polyline(resample_polyline(path, 1.0, False), 1.0, False), 1.0, False)
 
 
-def _pull(line, points, tangents, weight, radius, ring):
-    """Samples of a line moved across it to the weighted mean of the points around them."""
+def _pull(line, points, tangents, weight, radius, ring, *, spread=2.0):
+    """A line moved onto the middle of the points along it.
+
+    Each point gives its displacement from the line where it is nearest; displacements, not places, are averaged
+    along the line, so that a bend is not flattened. `spread` is the standard deviation of that mean, in samples.
+    """
     step = np.roll(line, -1, 0) - np.roll(line, 1, 0) if ring else np.gradient(line, axis=0)
     way = step / np.maximum(np.linalg.norm(step, axis=1), 1e-12)[:, None]
-    near = cKDTree(points).query_ball_point(line, radius)
-    i = np.repeat(np.arange(len(line)), [len(k) for k in near])
-    if not len(i):
-        return line
-    j = np.concatenate([np.asarray(k, np.int64) for k in near])
-    good = np.abs((way[i] * tangents[j]).sum(1)) > 0.75
-    i, j = i[good], j[good]
-    offset = points[j] - line[i]
-    offset -= way[i] * (offset * way[i]).sum(1)[:, None]
-    total = np.maximum(np.bincount(i, weight[j], minlength=len(line)), 1e-12)
-    move = np.stack([np.bincount(i, weight[j] * offset[:, c], minlength=len(line)) for c in range(3)], 1)
-    return line + move / total[:, None]
+    distance, near = cKDTree(line).query(points, distance_upper_bound=radius + 0.5)
+    found = np.flatnonzero(np.isfinite(distance))
+    near = near[found]
+    good = np.abs((way[near] * tangents[found]).sum(1)) > 0.75
+    found, near = found[good], near[good]
+    offset = points[found] - line[near]
+    offset -= way[near] * (offset * way[near]).sum(1)[:, None]
+    n = len(line)
+    amount = np.bincount(near, weight[found], minlength=n)
+    total = np.stack([np.bincount(near, weight[found] * offset[:, c], minlength=n) for c in range(3)], 1)
+    mode = "wrap" if ring else "constant"
+    amount = gaussian_filter1d(amount, spread, mode=mode)
+    total = gaussian_filter1d(total, spread, axis=0, mode=mode)
+    return line + total / np.maximum(amount, 1e-9)[:, None]

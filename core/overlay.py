@@ -71,18 +71,21 @@ def fold_orbit(network: CurveNetwork, orbit: Orbit, samples, weight, *, margin=1
     return _overlay(network, samples[index], cell.ravel(), inner, orbit.power(keys), keys)
 
 
-def fold_poses(network: CurveNetwork, poses, region, *, reach=6.0) -> Overlay:
-    """Overlay of the parts of the network near a region, (k, 3) points, placed by each of the poses."""
-    tree = cKDTree(network.points)
-    samples, cells = [], []
+def fold_poses(network: CurveNetwork, poses, region, free, *, reach=6.0) -> Overlay:
+    """Overlay of the free samples (n,) bool near a region (k, 3), placed by each of the poses.
+
+    A sample near several places is taken to the nearest.
+    """
+    best = np.full(len(network.points), np.inf)
+    cells = np.full(len(network.points), -1)
     for a, pose in enumerate(poses):
         placed = region @ pose[:3, :3].T + pose[:3, 3]
-        near = cKDTree(placed).query(network.points, distance_upper_bound=reach)[0] < reach
-        samples.append(np.flatnonzero(near))
-        cells.append(np.full(len(samples[-1]), a))
-    del tree
-    samples, cells = np.concatenate(samples), np.concatenate(cells)
-    return _overlay(network, samples, cells, np.ones(len(samples), bool), poses, np.arange(len(poses))[:, None])
+        distance = cKDTree(placed).query(network.points, distance_upper_bound=reach, workers=-1)[0]
+        nearer = (distance < best) & free
+        best[nearer], cells[nearer] = distance[nearer], a
+    samples = np.flatnonzero(cells >= 0)
+    inner = np.ones(len(samples), bool)
+    return _overlay(network, samples, cells[samples], inner, poses, np.arange(len(poses))[:, None])
 
 
 def _overlay(network, sample, cell, inner, poses, keys):

@@ -70,7 +70,7 @@ def complete(curves: Curves, *, edge_length=None, parameters: Parameters | None 
             network, orbits, screen, l0=p.l0, t=p.t, bayes_ratio=p.bayes_ratio, progress=clock.progress
         )
     with clock.stage("completion", seconds):
-        drafts = extract_templates(network, model, clusters, screen, epsilon=p.epsilon, progress=clock.progress)
+        drafts = extract_templates(network, model, clusters, screen, p, progress=clock.progress)
         completion = build_completion(network, model, drafts, len(curves), p, seconds)
     counts = np.diff(network.offsets)
     completion.work.update(

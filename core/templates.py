@@ -10,7 +10,8 @@ from scipy.spatial import cKDTree
 
 from .consolidation import condense, fit_curves, trace_curves
 from .network import CurveNetwork
-from .overlay import Overlay, agreement, chance_shifts
+from .occurrences import congruent_parts, starred
+from .overlay import Overlay, agreement, chance_shifts, fold_orbit, fold_poses
 
 CHANCE_SHARE = 0.1
 """Largest share of the agreeing samples that chance may explain."""
@@ -24,6 +25,7 @@ class Draft:
     poses : (a, 4, 4) float64, cell to network; keys : (a, g) int64, powers of the generators
     evidence : (a, c) float64, share of each curve that the network shows in each cell
     transformation : index of the orbit in the model
+    orbital : whether the keys are powers of that orbit's generators
     """
 
     curves: list
@@ -32,6 +34,7 @@ class Draft:
     keys: np.ndarray
     evidence: np.ndarray
     transformation: int
+    orbital: bool = True
 
 
 def consolidate(
@@ -52,7 +55,7 @@ def consolidate(
     if not keep.any():
         return empty
     points, tangents = condense(mean[keep], overlay.tangents[keep], weight[keep], radius=1.25 * epsilon)
-    curves, closed = fit_curves(trace_curves(points, tangents), points, tangents, weight[keep], images=images)
+    curves, closed = fit_curves(trace_curves(points, tangents), mean[keep], tangents, weight[keep], images=images)
     if not curves:
         return empty
     evidence = seen_share(network, curves, overlay.poses, radius=1.25 * epsilon)
@@ -141,30 +144,116 @@ def _largest_group(evidence, length, chance):
     return np.flatnonzero(member), np.flatnonzero(cells)
 
 
-def extract_templates(network: CurveNetwork, model, clusters, screen, *, epsilon, progress=None) -> list[Draft]:
-    """Templates of all transformations of the model, one after the other on what is not explained yet."""
-    from .overlay import fold_orbit
+def extract_templates(network: CurveNetwork, model, clusters, screen, parameters, *, progress=None) -> list[Draft]:
+    """Templates of all transformations of the model, one after the other on what is not explained yet.
 
-    del clusters, screen
-    explained = np.zeros(len(network.points), bool)
+    Orbits first, cell by cell; then what stands in no lattice; then templates that are copies of each other become
+    one, with the occurrences of all.
+    """
+    epsilon = parameters.epsilon
+    free = np.ones(len(network.points), bool)
     drafts = []
-    lines = [k for k, o in enumerate(model.orbits) if o.kind != "single"]
-    for at, k in enumerate(lines):
-        # What slips along this transformation may have been given to another one, but is shown by it all the same.
-        own = np.isin(model.of_curve, (-1, k))[network.curve_of] | (model.hits[k] >= 2)
-        use = np.flatnonzero(own & ~explained)
-        if len(use) < 2:
-            continue
-        overlay = fold_orbit(network, model.orbits[k], use, model.hits[k][use].astype(float))
-        report = (lambda f, at=at: progress("completion", (at + f) / (len(lines) + 1))) if progress else None
-        step = np.eye(len(model.orbits[k].twists), dtype=np.int64)
-        images = model.orbits[k].power(np.concatenate([step, -step]))
-        draft = consolidate(network, overlay, k, epsilon=epsilon, images=images, progress=report)
-        found = group(draft, CHANCE_SEEN)
-        drafts += found
-        for one in found:
-            explained |= explained_samples(network, one, radius=1.25 * epsilon)
-    return drafts
+    report = progress or (lambda stage, fraction: None)
+    for at, (k, orbit) in enumerate(zip(range(len(model.orbits)), model.orbits)):
+        begin, width = 0.6 * at / len(model.orbits), 0.6 / len(model.orbits)
+        step = lambda f, begin=begin, width=width: report("completion", begin + width * f)  # noqa: E731
+        step(0.0)
+        if orbit.kind == "single":
+            poses, region = starred(network, orbit.generators[0], clusters.motions, screen, free)
+            if len(poses) < 2:
+                continue
+            draft = consolidate_places(network, poses, network.points[region], k, free, epsilon=epsilon, progress=step)
+        else:
+            # What slips along this orbit may have been given to another one, but is shown by it all the same.
+            own = np.isin(model.of_curve, (-1, k))[network.curve_of] | (model.hits[k] >= 2)
+            use = np.flatnonzero(own & free)
+            if len(use) < 2:
+                continue
+            overlay = fold_orbit(network, orbit, use, model.hits[k][use].astype(float))
+            unit = np.eye(len(orbit.twists), dtype=np.int64)
+            images = orbit.power(np.concatenate([unit, -unit]))
+            draft = consolidate(network, overlay, k, epsilon=epsilon, images=images, progress=step)
+        for one in group(draft, CHANCE_SEEN):
+            drafts.append(one)
+            free &= ~explained_samples(network, one, radius=1.25 * epsilon)
+    report("completion", 0.7)
+    return unite(network, drafts, parameters, threads=screen.threads)
+
+
+def consolidate_places(network, poses, region, transformation, free, *, epsilon, progress=None, rounds=2) -> Draft:
+    """Draft of a thing at given places; what some places show beside the region widens it."""
+    for _ in range(rounds):
+        overlay = fold_poses(network, poses, region, free, reach=12.0)
+        draft = consolidate(network, overlay, transformation, epsilon=epsilon, progress=progress)
+        draft = replace(draft, orbital=False)
+        if not draft.curves:
+            break
+        region = np.concatenate(draft.curves)
+    return draft
+
+
+def unite(network: CurveNetwork, drafts: list[Draft], parameters, *, threads=1) -> list[Draft]:
+    """Drafts in which curves that are rigid copies of each other are one template with the occurrences of all."""
+    p, epsilon = parameters, parameters.epsilon
+    items = [(d, c) for d, draft in enumerate(drafts) for c in range(len(draft.curves))]
+    if len(items) < 2:
+        return drafts
+    first = [np.asarray(drafts[d].poses[0]) for d, _ in items]
+    lines = [drafts[d].curves[c] @ m[:3, :3].T + m[:3, 3] for (d, c), m in zip(items, first)]
+    groups = congruent_parts(
+        lines, [d for d, _ in items], l0=p.l0, s=p.s, t=p.t, delta_l=p.delta_l, epsilon=epsilon, threads=threads
+    )
+    united = []
+    for places in groups:
+        poses, region = [], []
+        for motion, members in places:
+            back = np.linalg.inv(motion)
+            region += [lines[k] @ back[:3, :3].T + back[:3, 3] for k in members]
+            source = drafts[items[members[0]][0]]
+            poses.append(source.poses @ np.linalg.inv(source.poses[0]) @ motion)
+        poses, region = np.concatenate(poses), np.concatenate(region)
+        most = max({items[k][0] for _, members in places for k in members}, key=lambda d: len(drafts[d].poses))
+        free = np.ones(len(network.points), bool)
+        draft = consolidate_places(network, poses, region, drafts[most].transformation, free, epsilon=epsilon)
+        new = group(draft, CHANCE_SEEN)
+        # What was explained by the parts must be explained by the whole.
+        before = [_only(drafts[d], [c for e, c in (items[k] for _, m in places for k in m) if e == d]) for d in
+                  sorted({items[k][0] for _, m in places for k in m})]  # fmt: skip
+        if _explained_length(network, new, epsilon) >= 0.97 * _explained_length(network, before, epsilon):
+            united += new
+    if not united:
+        return drafts
+    return united + [left for draft in drafts if (left := _uncovered(draft, united, 1.25 * epsilon)) is not None]
+
+
+def _only(draft, curves):
+    """A draft with only some of its curves."""
+    return replace(
+        draft, curves=[draft.curves[i] for i in curves], closed=[draft.closed[i] for i in curves],
+        evidence=draft.evidence[:, curves],
+    )  # fmt: skip
+
+
+def _explained_length(network, drafts, epsilon):
+    if not drafts:
+        return 0.0
+    shown = np.any([explained_samples(network, d, radius=1.25 * epsilon) for d in drafts], axis=0)
+    return float(network.weights[shown].sum())
+
+
+def _uncovered(draft, others, radius):
+    """The draft without the curves that other drafts show already, or None."""
+    points, tangents = (np.concatenate(x) for x in zip(*(placed(o)[:2] for o in others)))
+    tree = cKDTree(points)
+    own, way, _, curve = placed(draft)
+    distance, near = tree.query(own, k=3, distance_upper_bound=radius, workers=-1)
+    found = np.isfinite(distance)
+    along = np.abs((tangents[np.where(found, near, 0)] * way[:, None]).sum(-1)) > 0.7
+    covered = np.bincount(curve, (found & along).any(axis=1)) / np.bincount(curve)
+    keep = np.flatnonzero(covered < 0.5)
+    if not len(keep):
+        return None
+    return _only(draft, keep)
 
 
 CHANCE_SEEN = 0.15

@@ -17,7 +17,7 @@ from .mesh import TriangleMesh
 from .tensor import Curvature
 from .values import RIDGE
 
-_PROMINENT = 0.002
+_PROMINENT = 0.01
 """Least fall of the curvature beside a crest, see `_fall`. On spheres, cylinders and tori every point is extremal but
 for rounding and sampling, which stay below this on meshes of a few edges per radius."""
 

@@ -1,0 +1,195 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Occurrences in no regular order: one thing that several transformations describe (section 5.2, components).
+
+The graph of one transformation joins a curve with its image only. Things that stand in no lattice are related by
+a different motion for every pair; the components of those motions share curves and are one thing. Here a thing
+is the place that a motion starts from, and its occurrences are found by what the other motions show of it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .blast import feature_blast
+from .clustering import cluster_votes
+from .network import CurveNetwork, build_network
+from .rigid import inverse
+from .support import Screen, long_stretches
+from .values import Curves
+from .voting import vote
+
+SEEN, ROUNDS, APART = 0.3, 3, 8.0
+"""Share of a thing that an occurrence must show, rounds of composing motions, edge lengths between occurrences."""
+
+
+def starred(network: CurveNetwork, seed, pool, screen: Screen, free):
+    """Occurrences of what a motion maps: its own two places and all others that the pool's motions lead to.
+
+    Parameters
+    ----------
+    seed : (4, 4); pool : (k, 4, 4) other motions, each taken with its inverse
+    free : (n,) bool, samples that nothing explains yet
+
+    Returns
+    -------
+    poses : (a, 4, 4), the identity first; region : (r,) int64, samples of the thing at its first place
+    """
+    _, hit = screen.nearest(seed[None])
+    hit = long_stretches(hit, screen.curve, screen.least)[0] & free
+    region = _main_part(network, np.flatnonzero(hit))
+    if len(region) < 2 * screen.least:
+        return np.eye(4)[None], region
+    steps = np.concatenate([seed[None], inverse(seed[None]), pool, inverse(pool)])
+    poses = np.eye(4)[None]
+    fresh = poses
+    for _ in range(ROUNDS):
+        tries = (steps[None] @ fresh[:, None]).reshape(-1, 4, 4)
+        tries = tries[~_near(network, region, tries, poses)]
+        if not len(tries):
+            break
+        tries, share = fit_on(network, screen, tries, region, free)
+        accepted = []
+        for k in np.argsort(-share, kind="stable"):
+            if share[k] < SEEN:
+                break
+            known = np.concatenate([poses, *[a[None] for a in accepted]])
+            if not _near(network, region, tries[k : k + 1], known)[0]:
+                accepted.append(tries[k])
+        if not accepted:
+            break
+        fresh = np.array(accepted)
+        poses = np.concatenate([poses, fresh])
+    return poses, region
+
+
+def _main_part(network, samples, gap=12.0):
+    """The largest group of samples that lie within `gap` of each other."""
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import cKDTree
+
+    if not len(samples):
+        return samples
+    pair = cKDTree(network.points[samples]).query_pairs(gap, output_type="ndarray")
+    n = len(samples)
+    graph = coo_matrix((np.ones(len(pair)), (pair[:, 0], pair[:, 1])), shape=(n, n))
+    label = connected_components(graph, directed=False)[1]
+    return samples[label == np.argmax(np.bincount(label))]
+
+
+def _near(network, region, motions, known):
+    """Which motions put a region where one of the known motions puts it already."""
+    middle = network.points[region].mean(axis=0)
+    size = np.sqrt(((network.points[region] - middle) ** 2).sum(1).mean())
+    place = motions[:, :3, :3] @ middle + motions[:, :3, 3]
+    other = known[:, :3, :3] @ middle + known[:, :3, 3]
+    gap = np.linalg.norm(place[:, None] - other[None], axis=2)
+    # A thing is as large as it is: two occurrences do not share a place, whichever way they are turned.
+    return (gap < max(APART, 0.5 * size)).any(axis=1)
+
+
+def fit_on(network: CurveNetwork, screen: Screen, motions, region, free, *, rounds=3):
+    """Motions refined on the samples of a region, and the share of its length that each shows."""
+    motions = motions.copy()
+    inside = np.zeros(len(network.points), bool)
+    inside[region] = True
+    weight = network.weights[region].sum()
+    share = np.zeros(len(motions))
+    size = max(1, 400_000 // len(network.points))
+    for i in range(0, len(motions), size):
+        part = slice(i, i + size)
+        for last in range(rounds + 1):
+            near, hit = screen.nearest(motions[part])
+            hit = long_stretches(hit & inside, screen.curve, screen.least)
+            hit &= free[near]
+            share[part] = hit @ network.weights / weight
+            if last < rounds:
+                motions[part] = screen.align(motions[part], near, hit)
+    return motions, share
+
+
+def congruent_parts(curves, owner, *, l0, s, t, delta_l, epsilon, threads=1):
+    """Groups of clean curves that rigid motions take onto each other.
+
+    Three curves that keep their places to each other are one thing twice; fewer may be two parts of one thing
+    that look alike (the halves of an arch), unless they are all there is of their templates.
+
+    Parameters
+    ----------
+    curves : list of (k, 3) float64, edge lengths
+    owner : (c,) int64, the template of each curve
+
+    Returns
+    -------
+    list of groups, each a list of (motion (4, 4), members list of int): the motion takes the first member set's
+    place to this one's. The first motion is the identity.
+    """
+    sub = build_network(Curves.from_list(curves), edge_length=1.0, smoothing=0.0)
+    least = max(8.0, 0.6 * l0)
+    strong = np.flatnonzero(sub.lengths > least)
+    if len(strong) < 2:
+        return []
+    matches = feature_blast(sub, strong, l0=least, s=s, t=t, delta_l=delta_l, threads=threads)
+    votes = vote(sub, matches, bin_translation=2.0, bin_rotation=1.5)
+    screen = Screen(sub, radius=epsilon, stretch=6.0, still=APART, threads=threads)
+    clusters = cluster_votes(sub, votes, screen, cluster_translation=2.0, cluster_rotation=1.5)
+    found = []
+    for motion in clusters.motions:
+        pairs = _whole_pairs(sub, screen, motion)
+        length = sum(sub.lengths[i] for i, _ in pairs)
+        sides = [{i for i, _ in pairs}, {j for _, j in pairs}]
+        if not pairs or length < l0 or sides[0] & sides[1]:
+            continue
+        if len(pairs) >= 3 or all(_is_most(sub, side, owner) for side in sides):
+            found.append((length, motion, pairs))
+    found.sort(key=lambda f: -f[0])
+    groups = _grouped([(m, p) for _, m, p in found])
+    return [[(sub.motion_to_world(m[None])[0], [int(sub.source[i]) for i in members]) for m, members in g] for g in groups]
+
+
+def _is_most(network, curves, owner, *, least=0.7):
+    """Whether curves are most of the templates that they belong to."""
+    owner = np.asarray(owner)[network.source]
+    own = np.isin(owner, owner[list(curves)])
+    return network.lengths[list(curves)].sum() >= least * network.lengths[own].sum()
+
+
+def _whole_pairs(network, screen, motion, *, least=0.65):
+    """Pairs (i, j) of different curves that a motion takes onto each other as a whole."""
+    near, hit = screen.nearest(motion[None])
+    hit = long_stretches(hit, screen.curve, np.minimum(screen.least, np.diff(network.offsets))[network.curve_of])[0]
+    i, j = network.curve_of[hit], network.curve_of[near[0][hit]]
+    m = len(network)
+    amount = np.zeros((m, m))
+    np.add.at(amount, (i, j), network.weights[hit])
+    pairs = []
+    for a in range(m):
+        b = int(amount[a].argmax())
+        longest = max(network.lengths[a], network.lengths[b])
+        if a != b and amount[a, b] >= least * longest and amount[:, b].argmax() == a:
+            pairs.append((a, b))
+    return pairs
+
+
+def _grouped(found):
+    """Groups of places of one thing from motions with their pairs of curves, best first."""
+    groups, where = [], {}
+    for motion, pairs in found:
+        source = {where[i][:2] for i, _ in pairs if i in where}
+        target = {where[j][:2] for _, j in pairs if j in where}
+        if not source and not target:
+            group = len(groups)
+            groups.append([(np.eye(4), [i for i, _ in pairs]), (motion, [j for _, j in pairs])])
+            where.update({i: (group, 0) for i, _ in pairs})
+            where.update({j: (group, 1) for _, j in pairs})
+        elif len(source) == 1 and not target:
+            group, place = source.pop()
+            new = [j for i, j in pairs if i in where]
+            groups[group].append((motion @ groups[group][place][0], new))
+            where.update({j: (group, len(groups[group]) - 1) for j in new})
+        elif len(target) == 1 and not source:
+            group, place = target.pop()
+            new = [i for i, j in pairs if j in where]
+            groups[group].append((np.linalg.inv(motion) @ groups[group][place][0], new))
+            where.update({i: (group, len(groups[group]) - 1) for i in new})
+    return groups
