@@ -14,7 +14,7 @@ import bpy
 
 EXTENSION = "bl_ext.user_default.fcn_addon"
 STEP = 0.02  # seconds between two looks at what the session waits for
-ROUNDS = 4  # of Blender's main loop, at least: a busy machine is slow to take in what the mouse does
+ROUNDS = 2  # of Blender's main loop, at least: a busy machine is slow to take in what the mouse does
 PATIENCE = 120.0
 
 
@@ -25,6 +25,7 @@ class Driver:
         self.pictures = pictures
         os.makedirs(pictures, exist_ok=True)
         self.notes = []
+        self.places = {}  # what was seen under the mouse -> where
 
     @property
     def window(self):
@@ -128,18 +129,24 @@ class Driver:
         found : gets (x, y) of the places in the order seen
         """
         region = self.region("UI")
-        seen = set()
-        for y in range(region.y + region.height - 30, region.y + 10, -9):
-            for x in (region.x + region.width // 2, region.x + region.width - 100, region.x + region.width - 45):
+        for place in [self.places[name] for name in self.places if wanted in name]:  # where it was before
+            self.move(*place)
+            yield 0.2
+            if wanted in self.under_mouse():
+                found.append(place)
+                return
+        self.places.clear()
+        for y in range(region.y + region.height - 40, region.y + 10, -9):
+            for x in (region.x + region.width // 3, region.x + region.width * 5 // 8):
                 self.move(x, y)
                 yield 0.03
                 said = self.under_mouse()
                 if said:
-                    seen.add(said)
+                    self.places.setdefault(said, (x, y))
                 if wanted in said:
                     found.append((x, y))
                     return
-        raise LookupError(f"no button {wanted!r} in the sidebar; there are {sorted(seen)}")
+        raise LookupError(f"no button {wanted!r} in the sidebar; there are {sorted(self.places)}")
 
     def under_mouse(self):
         """What Blender says of the button under the mouse, "" where there is none."""
@@ -160,21 +167,14 @@ class Driver:
         yield from self.find(wanted, found)
         yield from self.click(*found[0])
 
-    def choose(self, name, value):
-        """Click the button of a switch in the sidebar that sets a property to a value; a generator."""
+    def choose(self, name, column, row):
+        """Click a button of a switch with two columns in the sidebar, the property of which is known; a generator."""
         found = []
         yield from self.find(name, found)
         region = self.region("UI")
-        for y in range(found[0][1] + 20, found[0][1] - 50, -10):
-            for x in (region.x + region.width // 4, region.x + region.width * 5 // 8):
-                self.move(x, y)
-                yield 0.3  # until the window knows what is under the mouse
-                if name in self.under_mouse():
-                    yield from self.click(x, y)
-                    yield 0.3
-                    if bpy.context.scene.fcn.result.path_resolve(name.strip(".")) == value:
-                        return
-        raise LookupError(f"no button sets {name} to {value}")
+        x = region.x + region.width * (1 + 2 * column) // 4 - 10
+        yield from self.click(x, found[0][1] - 4 - 22 * row)
+        yield 0.3
 
     # what is seen
 

@@ -87,11 +87,14 @@ def session(driver):
     yield 1.0
     assert result().templates and visible()
     driver.picture("3-result")
+    yield from result_session(driver)
 
+
+def result_session(driver):
+    """What is done with a result that is there."""
     size = len(visible())
-    for view in ("COMPONENTS", "TEMPLATES", "INPUT", "RESULT"):
-        yield from driver.choose("fcn_result.view", view)
-        yield 0.4
+    for view, column, row in (("COMPONENTS", 1, 0), ("TEMPLATES", 0, 1), ("INPUT", 1, 1), ("RESULT", 0, 0)):
+        yield from driver.choose("fcn_result.view", column, row)
         assert result().view == view, f"the switch shows {result().view}, not {view}"
         driver.picture(f"4-view-{view.lower()}")
     assert len(visible()) == size
@@ -100,7 +103,6 @@ def session(driver):
     yield from driver.find("fcn_result.support", found)
     x, y = found[0]
     yield from driver.drag(x, y, x + 60)
-    yield 0.3
     least = result().support
     assert least > 0 and len(visible()) < size
     assert all(o["support"] >= least - 1e-6 for o in visible())
@@ -108,39 +110,48 @@ def session(driver):
     result().support = 0.0
     assert len(visible()) == size
 
-    yield from driver.press("bpy.ops.fcn.select_transformation(index=0)")
+    yield from driver.press("bpy.ops.fcn.select_transformation(")
     chosen = bpy.context.selected_objects
     assert chosen and {o.parent.users_collection[0] for o in chosen} == {result().transformations[0].home}
     driver.picture("6-selected")
-
     for item in chosen[1:]:
         item.select_set(False)
     bpy.context.view_layer.objects.active = chosen[0]
-    yield 0.5
-    yield from driver.press("bpy.ops.fcn.select_source()")
+    yield from correct(driver, chosen[0], size)
+
+
+def correct(driver, item, size):
+    """Selecting the source, editing and rejecting, with the operators that the buttons call."""
+    space = driver.area.spaces.active
+
+    def press(name):
+        with driver.context():
+            assert getattr(bpy.ops.fcn, name)("INVOKE_DEFAULT") == {"FINISHED"}
+
+    press("select_source")
     yield 0.5
     assert bpy.context.mode == "EDIT_MESH" and result().view == "INPUT"
     driver.picture("7-source")
-    yield from driver.press("bpy.ops.fcn.select_result()")
-    yield 0.5
-    assert bpy.context.mode == "OBJECT" and chosen[0].select_get()
-
-    yield from driver.press("bpy.ops.fcn.edit_template()")
-    yield 0.5
-    assert bpy.context.mode == "EDIT_CURVE" and driver.area.spaces.active.local_view
-    driver.picture("8-edit-template")
-    yield from driver.press("bpy.ops.fcn.edit_template()")
-    yield 0.5
-    assert bpy.context.mode == "OBJECT" and not driver.area.spaces.active.local_view
-
-    yield from driver.press("bpy.ops.fcn.reject_occurrence()")
+    press("select_result")
     yield 0.3
-    assert not chosen[0].visible_get()
-    yield from driver.press("bpy.ops.fcn.reject_transformation()")
+    assert bpy.context.mode == "OBJECT" and item.select_get()
+    press("edit_template")
+    yield 0.5
+    assert bpy.context.mode == "EDIT_CURVE" and space.local_view
+    driver.picture("8-edit-template")
+    press("edit_template")
+    yield 0.3
+    assert bpy.context.mode == "OBJECT" and not space.local_view
+    press("reject_occurrence")
+    yield 0.3
+    assert not item.visible_get()
+    press("reject_transformation")
+    with driver.context():
+        bpy.ops.view3d.view_all()
     yield 0.5
     assert not any(o.visible_get() for o in result().transformations[0].home.objects)
     driver.picture("9-rejected")
-    yield from driver.press("bpy.ops.fcn.restore()")
+    press("restore")
     yield 0.3
     assert len(visible()) == size
 
@@ -153,7 +164,7 @@ def session(driver):
     yield 0.5
     yield from driver.sidebar(CATEGORY)
     assert settings().result.name == name and len(visible()) == size
-    yield from driver.choose("fcn_result.view", "TEMPLATES")
+    result().view = "TEMPLATES"
     yield 0.5
     driver.picture("10-reopened")
 
