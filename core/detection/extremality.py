@@ -19,7 +19,7 @@ from .values import RIDGE
 
 _PROMINENT = 0.01
 """Least fall of the curvature beside a crest, see `_fall`. On spheres, cylinders and tori every point is extremal but
-for rounding and sampling, which stay below this on meshes of a few edges per radius."""
+for rounding and sampling; that stays below this at the details in use, and real creases are near 1."""
 
 _DOMINANT = 0.5
 """A crest's curvature must be above this share of the other's, absolutely. [YBS05] ask for all of it, which breaks

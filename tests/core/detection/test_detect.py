@@ -66,7 +66,7 @@ def test_a_rounded_box_has_its_edges(n):
     assert off_corner.sum() > 1000 and cKDTree(edges).query(p[off_corner])[0].max() < 0.5 * h
 
 
-@pytest.mark.parametrize("parameters", [DetectionParameters(), GENTLE])
+@pytest.mark.parametrize("parameters", [DetectionParameters(), GENTLE, replace(GENTLE, detail=1.5)])
 @pytest.mark.parametrize(
     "make",
     [
@@ -74,11 +74,16 @@ def test_a_rounded_box_has_its_edges(n):
         lambda: surfaces.sphere(5),
         lambda: surfaces.graph(50, lambda x, y: 0 * x),
         lambda: surfaces.graph(50, lambda x, y: 0.3 * x - 0.2 * y),
-        lambda: surfaces.torus(120)[:2],
     ],
 )
 def test_nothing_is_found_where_nothing_is(make, parameters):
     assert len(detect(TriangleMesh.of(*make()), parameters=parameters)) == 0
+
+
+@pytest.mark.parametrize("parameters", [DetectionParameters(), GENTLE])
+def test_a_torus_has_no_crest(parameters):
+    v, f, _ = surfaces.torus(120)
+    assert len(detect(TriangleMesh.of(v, f), parameters=parameters)) == 0
 
 
 def test_noise_on_a_plane_and_a_sphere_is_no_feature():
