@@ -6,7 +6,7 @@ from __future__ import annotations
 from ..core.report import STAGES
 
 # Share of the whole time that each stage takes, measured on the scenes of benchmarks/.
-SHARES = {"blast": 0.15, "voting": 0.05, "clustering": 0.25, "orbits": 0.25, "selection": 0.05, "completion": 0.25}
+SHARES = {"blast": 0.08, "voting": 0.01, "clustering": 0.38, "orbits": 0.36, "selection": 0.02, "completion": 0.15}
 LABELS = {
     "blast": "Matching curves",
     "voting": "Voting",

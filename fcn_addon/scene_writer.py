@@ -146,7 +146,7 @@ class _Writer:
         matrix = np.array(motion, float)
         matrix[:3, 3] = moved(centre, matrix)
         holder.matrix_world = matrix.T.tolist()  # nested sequences are columns here
-        holder.empty_display_size = 0.2 * max(_radius(template, centre), 1e-6)
+        holder.empty_display_size = 0.1 * max(_radius(template, centre), 1e-6)
         holder["template"], holder["occurrence"] = int(template.id), occurrence
         for (curve, data), support in zip(parts, template.evidence[occurrence].tolist()):
             part = self._object(data.name, data, home, colours.TEMPLATE)

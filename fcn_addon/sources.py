@@ -102,11 +102,16 @@ def why_not(context) -> str | None:
             return "Choose the collection that holds the curves"
         if not _any(settings.collection.all_objects):
             return "The collection holds no edge mesh or curve object"
-    elif not _any(context.selected_objects) and not _again(context):
+    elif not _any(_selected(context)) and not _again(context):
         return "Select curves or edge meshes"
     if settings.edge_length_from == "SCAN" and scan(context) is None:
         return "Choose the scan that the edge length is measured on"
     return None
+
+
+def _selected(context) -> list:
+    """The selected objects, without the completed curves: who has selected those means to work with the result."""
+    return [item for item in context.selected_objects if "support" not in item]
 
 
 def _any(objects):
@@ -119,13 +124,14 @@ def chosen(context) -> list:
     if settings.source == "COLLECTION":
         objects = settings.collection.all_objects if settings.collection else ()
     else:
-        objects = context.selected_objects if _any(context.selected_objects) else _again(context)
+        selected = _selected(context)
+        objects = selected if _any(selected) else _again(context)
     return sorted(dict.fromkeys(scene_reader.curve_objects(objects)), key=lambda item: item.name)
 
 
 def is_again(context) -> bool:
-    """Whether nothing is selected, so that a run would repeat that of the active result."""
-    return context.scene.fcn.source == "SELECTION" and not _any(context.selected_objects) and bool(_again(context))
+    """Whether no other curves are selected, so that a run would repeat that of the active result."""
+    return context.scene.fcn.source == "SELECTION" and not _any(_selected(context)) and bool(_again(context))
 
 
 def _again(context) -> list:

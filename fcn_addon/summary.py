@@ -125,4 +125,4 @@ def summarise(curves, edge_length, parameters, objects=1, again=False) -> Summar
 
 def rough_seconds(samples, strong) -> float:
     """A rough time for a run with so many samples, and so many on strong curves: fitted to runs on two cores."""
-    return 1.0 + 8.0e-4 * samples + 3.0e-8 * strong**2
+    return 1.0 + 1.8e-3 * samples + 3.0e-8 * strong**2

@@ -31,12 +31,22 @@ class FCN_PT_complete(Sidebar, bpy.types.Panel):
             _draw_run(layout, run)
             return
         settings = context.scene.fcn
+        _draw_way_back(layout, context)
         _draw_source(layout, settings)
         _draw_summary(layout.box(), context)
         layout.prop(settings, "earlier", expand=True)
         button = layout.row()
         button.scale_y = 1.6
         button.operator("fcn.complete", icon="CURVE_DATA")
+
+
+def _draw_way_back(layout, context):
+    """In edit mode: the button that ends what a button began."""
+    item = context.active_object
+    if context.mode == "EDIT_CURVE" and item.get("occurrence", -1) >= 0:
+        layout.operator("fcn.edit_template", text="Finish Editing", icon="CHECKMARK")
+    elif context.mode == "EDIT_MESH" and "source" in item.data.attributes:
+        layout.operator("fcn.select_result", icon="FORWARD")
 
 
 def _draw_source(layout, settings):

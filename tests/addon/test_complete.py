@@ -220,7 +220,7 @@ def test_a_run_is_watched_and_stopped(bpy, part, slow):
     wait(slow, session)
     time.sleep(0.05)
     assert session.tick() or slow.shown
-    assert slow.shown[1] == "Clustering transformations" and 0.1 < slow.shown[2] < 0.6
+    assert slow.shown[1] == "Clustering transformations" and 0.09 <= slow.shown[2] < 0.6
     with pytest.raises(RuntimeError, match="under way"):
         bpy.ops.fcn.complete()
     assert bpy.ops.fcn.cancel() == {"FINISHED"}
@@ -360,3 +360,10 @@ def test_the_method_itself_gives_a_result(bpy, part):
     assert bpy.ops.fcn.complete() == {"FINISHED"}
     result = bpy.context.scene.fcn.result.fcn_result
     assert result.templates and result.occurrences >= 2 and result.seconds > 0
+
+
+def test_selected_parts_of_a_result_are_not_taken_for_curves(bpy, part, made):
+    bpy.ops.fcn.select_transformation(index=0)
+    sources = part("fcn_addon.sources")
+    assert len(bpy.context.selected_objects) == 12 and sources.is_again(bpy.context)
+    assert [item.name for item in sources.take(bpy.context).sources] == ["Wall"]

@@ -147,9 +147,9 @@ def test_ten_thousand_objects_in_time(bpy, part, completion, curves):
     places = np.tile(np.eye(4), (1000, 1, 1))
     places[:, 0, 3] = np.arange(1000)
     many = dataclasses.replace(template, curves=template.curves * 5, occurrences=places, evidence=np.ones((1000, 10)))
-    began = time.perf_counter()
+    began = time.process_time()
     many = dataclasses.replace(completion, templates=(many,))
     root = part("fcn_addon.scene_writer").write(many, curves, source="many", scene=bpy.context.scene)
     bpy.context.view_layer.update()
     assert len(root.children["Templates"].children[0].objects) == 11000
-    assert time.perf_counter() - began < 15  # 3 s here; the bound only finds what grows with the square
+    assert time.process_time() - began < 15  # 3 s here; the bound only finds what grows with the square

@@ -9,7 +9,7 @@ for name in parameters.bl_rna.properties.keys():
     if name not in {"rna_type", "name", "block", "threads"}:
         parameters.property_unset(name)
 
-parameters.smoothing = 3.0
+parameters.smoothing = 5.0
 parameters.s = 1.5
 parameters.t = 3.0
 parameters.epsilon = 3.0
