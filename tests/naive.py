@@ -120,11 +120,16 @@ def trace(points, closed, start, direction, count):
 
 
 def distance(a, b, mean):
-    """Distance of stretches under the best rotation about their starts: root mean square, or plain mean."""
-    a, b = a - a[0], b - b[0]
-    r = fit_rotation(a, b)
-    away = np.linalg.norm(a @ r.T - b, axis=1)
-    return (float(away.mean()) if mean else float(np.sqrt((away**2).mean()))), r
+    """Distances of one stretch (n, 3) from each of many (k, n, 3) under the best rotations about their starts.
+
+    Root mean square, or the plain mean; returns (k,) distances and (k, 3, 3) rotations.
+    """
+    a, b = a - a[0], b - b[:, :1]
+    u, _, vt = np.linalg.svd(np.einsum("ni,knj->kij", a, b))
+    vt[:, 2] *= np.sign(np.linalg.det(u) * np.linalg.det(vt))[:, None]
+    r = np.swapaxes(u @ vt, 1, 2)
+    away = np.linalg.norm(a @ np.swapaxes(r, 1, 2) - b, axis=2)
+    return (away.mean(axis=1) if mean else np.sqrt((away**2).mean(axis=1))), r
 
 
 def matches(curve_a, closed_a, curve_b, closed_b, *, l0, s, t, step, mean=False, apart=0):
@@ -134,30 +139,28 @@ def matches(curve_a, closed_a, curve_b, closed_b, *, l0, s, t, step, mean=False,
     """
     found = []
     for i in range(len(curve_a)):
-        for j in range(len(curve_b)):
-            for direction in (1, -1):
-                if apart and (abs(i - j) < apart or len(curve_a) - abs(i - j) < apart):
-                    continue
-                a = trace(curve_a, closed_a, i, 1, l0)
-                b = trace(curve_b, closed_b, j, direction, l0)
-                if a is None or b is None:
-                    continue
-                d, r = distance(a, b, mean)
-                if not d < s:
-                    continue
-                count = l0
-                while True:
-                    longer_a = trace(curve_a, closed_a, i, 1, count + step)
-                    longer_b = trace(curve_b, closed_b, j, direction, count + step)
-                    if longer_a is None or longer_b is None:
-                        break
-                    further, turned = distance(longer_a, longer_b, mean)
-                    if not further < t:
-                        break
-                    count, d, r = count + step, further, turned
-                affinity = count * np.exp(-d / (0.5 * t))
-                motion = rigid(r, curve_b[j] - r @ curve_a[i])
-                found.append(Match(float(affinity), motion, i, j, direction, count))
+        a = trace(curve_a, closed_a, i, 1, l0)
+        starts = [(j, d) for j in range(len(curve_b)) for d in (1, -1)
+                  if not apart or apart <= abs(i - j) <= len(curve_a) - apart]  # fmt: skip
+        starts = [x for x in starts if trace(curve_b, closed_b, *x, l0) is not None]
+        if a is None or not starts:
+            continue
+        first, rotations = distance(a, np.array([trace(curve_b, closed_b, *x, l0) for x in starts]), mean)
+        for (j, direction), d, r in zip(starts, first, rotations):
+            if not d < s:
+                continue
+            count = l0
+            while True:
+                longer_a = trace(curve_a, closed_a, i, 1, count + step)
+                longer_b = trace(curve_b, closed_b, j, direction, count + step)
+                if longer_a is None or longer_b is None:
+                    break
+                (further,), (turned,) = distance(longer_a, longer_b[None], mean)
+                if not further < t:
+                    break
+                count, d, r = count + step, further, turned
+            affinity = count * np.exp(-d / (0.5 * t))
+            found.append(Match(float(affinity), rigid(r, curve_b[j] - r @ curve_a[i]), i, j, direction, count))
     return found
 
 
