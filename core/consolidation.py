@@ -175,7 +175,7 @@ def fit_curves(paths, points, tangents, weight, *, images=(), radius=1.5, smooth
     """
     curves, closed = [], []
     pieces = [piece for path in paths for piece in split_at_corners(_even(path))]
-    joined = join_paths(pieces)
+    joined = _join_across(pieces)
     if len(images):
         whole = join_images([p for p, ring in joined if not ring], images)
         joined = join_paths(whole) + [(p, ring) for p, ring in joined if ring]
@@ -191,6 +191,27 @@ def fit_curves(paths, points, tangents, weight, *, images=(), radius=1.5, smooth
         curves.append(line)
         closed.append(ring)
     return curves, closed
+
+
+def _join_across(pieces, *, short=10.0, gap=14.0, cover=2.5):
+    """Pieces joined; where curves cross or touch, arms are joined over the short piece that they share."""
+    size = np.array([np.linalg.norm(np.diff(p, axis=0), axis=1).sum() for p in pieces])
+    tips = np.array([[p[0], p[-1]] for p in pieces]).reshape(-1, 3)
+    pair = cKDTree(tips).query_pairs(5.0, output_type="ndarray").reshape(-1, 2)
+    pair = pair[pair[:, 0] // 2 != pair[:, 1] // 2]
+    meets = np.bincount(pair.ravel(), minlength=len(tips)).reshape(-1, 2)
+    shared = (size < short) & (meets >= 2).all(axis=1)
+    if not shared.any():
+        return join_paths(pieces)
+    long = join_paths([p for p, s in zip(pieces, shared) if not s], gap=gap)
+    # A shared piece that no arm was joined over is a piece like any other.
+    shown = cKDTree(np.concatenate([_dense(p, ring) for p, ring in long])) if long else None
+    left = [p for p, s in zip(pieces, shared) if s and (shown is None or shown.query(p)[0].max() > cover)]
+    return join_paths([p for p, ring in long if not ring] + left) + [(p, ring) for p, ring in long if ring]
+
+
+def _dense(path, ring):
+    return resample_polyline(path, 1.0, ring)
 
 
 def _with_images(points, tangents, weight, images):

@@ -7,14 +7,13 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 
-def join_paths(paths, *, gap=6.0, angle=35.0, reach=6):
+def join_paths(paths, *, gap=6.0, angle=35.0):
     """Join open paths end to end.
 
     Parameters
     ----------
     paths : list of (k, 3) float64, edge lengths
     gap : longest gap; angle : largest angle, in degrees, between an end's direction and the gap or the other end
-    reach : samples from which an end takes its direction
 
     Returns
     -------
@@ -24,7 +23,7 @@ def join_paths(paths, *, gap=6.0, angle=35.0, reach=6):
     if not paths:
         return []
     tip = np.concatenate([[p[0], p[-1]] for p in paths])
-    way = np.concatenate([[_outward(p[::1], reach), _outward(p[::-1], reach)] for p in paths])
+    way = np.concatenate([[_outward(p), _outward(p[::-1])] for p in paths])
     arms = [arm for p in paths for arm in (p[:ARM], p[::-1][:ARM])]
     partner = match_ends(tip, way, arms, [len(p) for p in paths], gap, angle)
     out, used = [], np.zeros(len(paths), bool)
@@ -37,10 +36,15 @@ def join_paths(paths, *, gap=6.0, angle=35.0, reach=6):
     return out
 
 
-def _outward(path, reach):
-    """Direction in which a path leaves through its first point."""
-    k = min(reach, len(path) - 1)
-    v = path[0] - path[k]
+def _outward(path):
+    """Direction in which a path leaves through its first point: the slope there of a parabola through the arm."""
+    arm = path[:ARM]
+    s = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(arm, axis=0), axis=1))])
+    if len(arm) < 4 or s[-1] <= 0:
+        v = path[0] - path[min(len(path) - 1, ARM)]
+    else:
+        basis = np.stack([np.ones_like(s), s, s * s], axis=1)
+        v = -np.linalg.lstsq(basis, arm, rcond=None)[0][1]
     return v / max(np.linalg.norm(v), 1e-12)
 
 
@@ -82,7 +86,7 @@ def continuation_cost(tip_a, way_a, arms_a, tip_b, way_b, arms_b, angle):
     return cost
 
 
-def join_images(paths, images, *, gap=8.0, angle=35.0, reach=6):
+def join_images(paths, images, *, gap=8.0, angle=35.0):
     """Join paths of a cell across its border, where the image of one under a neighbour's motion goes on.
 
     Parameters
@@ -98,7 +102,7 @@ def join_images(paths, images, *, gap=8.0, angle=35.0, reach=6):
     if not paths:
         return []
     tip = np.concatenate([[p[0], p[-1]] for p in paths])
-    way = np.concatenate([[_outward(p, reach), _outward(p[::-1], reach)] for p in paths])
+    way = np.concatenate([[_outward(p), _outward(p[::-1])] for p in paths])
     arms = [arm for p in paths for arm in (p[:ARM], p[::-1][:ARM])]
     rows = []
     tree = cKDTree(tip)

@@ -135,16 +135,16 @@ def congruent_parts(curves, owner, *, l0, s, t, delta_l, epsilon, threads=1):
     clusters = cluster_votes(sub, votes, screen, cluster_translation=2.0, cluster_rotation=1.5)
     found = []
     for motion in clusters.motions:
-        pairs = _whole_pairs(sub, screen, motion)
-        length = sum(sub.lengths[i] for i, _ in pairs)
-        sides = [{i for i, _ in pairs}, {j for _, j in pairs}]
-        if not pairs or length < l0 or sides[0] & sides[1]:
+        source, target = _whole_sides(sub, screen, motion)
+        length = sub.lengths[source].sum()
+        if length < l0 or set(source) & set(target):
             continue
-        if len(pairs) >= 3 or all(_is_most(sub, side, owner) for side in sides):
-            found.append((length, motion, pairs))
+        sides = (source, target)
+        if min(map(len, sides)) >= 3 or all(_is_most(sub, side, owner) for side in sides):
+            found.append((length, motion, source, target))
     found.sort(key=lambda f: -f[0])
-    groups = _grouped([(m, p) for _, m, p in found])
-    return [[(sub.motion_to_world(m[None])[0], [int(sub.source[i]) for i in members]) for m, members in g] for g in groups]
+    groups = _grouped([f[1:] for f in found])
+    return [[(sub.motion_to_world(m[None])[0], sub.source[members].tolist()) for m, members in g] for g in groups]
 
 
 def _is_most(network, curves, owner, *, least=0.7):
@@ -154,42 +154,43 @@ def _is_most(network, curves, owner, *, least=0.7):
     return network.lengths[list(curves)].sum() >= least * network.lengths[own].sum()
 
 
-def _whole_pairs(network, screen, motion, *, least=0.65):
-    """Pairs (i, j) of different curves that a motion takes onto each other as a whole."""
-    near, hit = screen.nearest(motion[None])
-    hit = long_stretches(hit, screen.curve, np.minimum(screen.least, np.diff(network.offsets))[network.curve_of])[0]
-    i, j = network.curve_of[hit], network.curve_of[near[0][hit]]
+def _whole_sides(network, screen, motion, *, least=0.65):
+    """Curves that a motion takes onto others as a whole, and those others, which they show as a whole."""
+    least_run = np.minimum(screen.least, np.diff(network.offsets))[network.curve_of]
+    near, hit = screen.nearest(np.stack([motion, inverse(motion)]))
+    hit = long_stretches(hit, screen.curve, least_run)
+    hit &= network.curve_of[near] != network.curve_of
     m = len(network)
-    amount = np.zeros((m, m))
-    np.add.at(amount, (i, j), network.weights[hit])
-    pairs = []
-    for a in range(m):
-        b = int(amount[a].argmax())
-        longest = max(network.lengths[a], network.lengths[b])
-        if a != b and amount[a, b] >= least * longest and amount[:, b].argmax() == a:
-            pairs.append((a, b))
-    return pairs
+    share = [np.bincount(network.curve_of[h], minlength=m) / np.diff(network.offsets) for h in hit]
+    source, target = (x >= least for x in share)
+    for _ in range(3):
+        meets = [np.zeros(m, bool), np.zeros(m, bool)]
+        for side, other in ((0, target), (1, source)):
+            to = network.curve_of[near[side][hit[side]]]
+            good = np.bincount(network.curve_of[hit[side]], other[to], minlength=m)
+            meets[side] = good >= least * np.diff(network.offsets)
+        source, target = source & meets[0], target & meets[1]
+    return np.flatnonzero(source), np.flatnonzero(target)
 
 
 def _grouped(found):
-    """Groups of places of one thing from motions with their pairs of curves, best first."""
+    """Groups of places of one thing, from motions with the curves they start from and lead to, best first."""
     groups, where = [], {}
-    for motion, pairs in found:
-        source = {where[i][:2] for i, _ in pairs if i in where}
-        target = {where[j][:2] for _, j in pairs if j in where}
-        if not source and not target:
-            group = len(groups)
-            groups.append([(np.eye(4), [i for i, _ in pairs]), (motion, [j for _, j in pairs])])
-            where.update({i: (group, 0) for i, _ in pairs})
-            where.update({j: (group, 1) for _, j in pairs})
-        elif len(source) == 1 and not target:
-            group, place = source.pop()
-            new = [j for i, j in pairs if i in where]
-            groups[group].append((motion @ groups[group][place][0], new))
-            where.update({j: (group, len(groups[group]) - 1) for j in new})
-        elif len(target) == 1 and not source:
-            group, place = target.pop()
-            new = [i for i, j in pairs if j in where]
-            groups[group].append((np.linalg.inv(motion) @ groups[group][place][0], new))
-            where.update({i: (group, len(groups[group]) - 1) for i in new})
+
+    def add(group, motion, members):
+        groups[group].append((motion, list(members)))
+        where.update({k: (group, len(groups[group]) - 1) for k in members})
+
+    for motion, source, target in found:
+        at, to = ({where[k] for k in side if k in where} for side in (source, target))
+        if not at and not to:
+            groups.append([])
+            add(len(groups) - 1, np.eye(4), source)
+            add(len(groups) - 1, motion, target)
+        elif len(at) == 1 and not to:
+            group, place = at.pop()
+            add(group, motion @ groups[group][place][0], target)
+        elif len(to) == 1 and not at:
+            group, place = to.pop()
+            add(group, inverse(motion) @ groups[group][place][0], source)
     return groups

@@ -192,6 +192,10 @@ class _Finder:
                 closed, twist = True, snapped
         k = np.arange(1, (order - 1 if closed else most) + 1)
         support = self.screen.score(exponential(twist * k[:, None]))
+        # Cells next to each other have most in common. Where the first step shows less than a later one, the later
+        # one is the step, and the first is a root that only parts of the network follow.
+        if support[0] < SHARE * support.max():
+            return twist, 0, False, 0.0
         seen = support > 2 * self.chance
         if closed:
             return twist, order - 1, True, float(support.sum())

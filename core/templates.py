@@ -12,6 +12,7 @@ from .consolidation import condense, fit_curves, trace_curves
 from .network import CurveNetwork
 from .occurrences import congruent_parts, starred
 from .overlay import Overlay, agreement, chance_shifts, fold_orbit, fold_poses
+from .rigid import best_rotation, motion
 
 CHANCE_SHARE = 0.1
 """Largest share of the agreeing samples that chance may explain."""
@@ -189,7 +190,37 @@ def consolidate_places(network, poses, region, transformation, free, *, epsilon,
         if not draft.curves:
             break
         region = np.concatenate(draft.curves)
+        poses = refined_poses(network, draft, free, radius=2 * epsilon)
     return draft
+
+
+def refined_poses(network: CurveNetwork, draft: Draft, free, *, radius, rounds=3):
+    """Poses moved so that the draft's curves lie on the samples that show them; ICP, across the curves only.
+
+    An occurrence that shows too little to hold it stays where it is.
+    """
+    points = np.concatenate(draft.curves)
+    tangents = np.concatenate([_directions(c) for c in draft.curves])
+    samples = np.flatnonzero(free)
+    tree = cKDTree(network.points[samples])
+    poses = draft.poses.copy()
+    for a in range(len(poses)):
+        for _ in range(rounds):
+            r, t = poses[a, :3, :3], poses[a, :3, 3]
+            moved, lines = points @ r.T + t, tangents @ r.T
+            distance, near = tree.query(moved, distance_upper_bound=radius)
+            hit = np.isfinite(distance)
+            near = samples[np.where(hit, near, 0)]
+            hit &= np.abs((network.tangents[near] * lines).sum(1)) > 0.8
+            if hit.sum() < 30:
+                break
+            offset = network.points[near] - moved
+            offset -= lines * (offset * lines).sum(1)[:, None]
+            target = moved[hit] + offset[hit]
+            mean_a, mean_b = points[hit].mean(0), target.mean(0)
+            turn, _ = best_rotation(((target - mean_b).T @ (points[hit] - mean_a) + 1e-3 * r)[None])
+            poses[a] = motion(turn[0], mean_b - turn[0] @ mean_a)
+    return poses
 
 
 def unite(network: CurveNetwork, drafts: list[Draft], parameters, *, threads=1) -> list[Draft]:
