@@ -14,7 +14,7 @@ from .blast import feature_blast
 from .clustering import cluster_votes
 from .network import CurveNetwork, build_network
 from .rigid import inverse
-from .support import Screen, long_stretches
+from .support import Screen, in_long_stretches, long_stretches
 from .values import Curves
 from .voting import vote
 
@@ -96,15 +96,17 @@ def fit_on(network: CurveNetwork, screen: Screen, motions, region, free, *, roun
     weight = network.weights[region].sum()
     share = np.zeros(len(motions))
     size = max(1, 400_000 // len(network.points))
-    for i in range(0, len(motions), size):
-        part = slice(i, i + size)
+    for begin in range(0, len(motions), size):
+        part = slice(begin, begin + size)
         for last in range(rounds + 1):
-            near, hit = screen.nearest(motions[part])
-            hit = long_stretches(hit & inside, screen.curve, screen.least)
-            hit &= free[near]
-            share[part] = hit @ network.weights / weight
+            i, k, j = screen.hits(motions[part])
+            good = inside[k] & free[j]
+            i, k, j = i[good], k[good], j[good]
+            good = in_long_stretches(i, k, screen.curve, screen.least)
+            i, k, j = i[good], k[good], j[good]
+            share[part] = np.bincount(i, network.weights[k], minlength=len(motions[part])) / weight
             if last < rounds:
-                motions[part] = screen.align(motions[part], near, hit)
+                motions[part] = screen.align(motions[part], i, k, j)
     return motions, share
 
 

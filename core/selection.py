@@ -11,7 +11,7 @@ from .clustering import perturbed
 from .network import CurveNetwork
 from .orbits import Orbit
 from .rigid import inverse
-from .support import Screen, long_stretches, slips
+from .support import Screen, in_long_stretches, slips
 
 
 @dataclass(frozen=True)
@@ -81,14 +81,16 @@ def _affinity(network, powers, screen, t):
     size = max(1, 400_000 // n)
     for i in range(0, len(powers), size):
         part = powers[i : i + size]
-        near, hit = screen.nearest(part)
-        hit = long_stretches(hit, screen.curve, least)
-        hits += hit.sum(axis=0)
-        h, k = np.nonzero(hit & ~slips(part, screen.points, screen.tangents))
+        h, k, j = screen.hits(part)
+        good = in_long_stretches(h, k, screen.curve, least)
+        h, k, j = h[good], k[good], j[good]
+        hits += np.bincount(k, minlength=n)
+        good = ~slips(part, h, screen.points[k], screen.tangents[k])
+        h, k, j = h[good], k[good], j[good]
         if not len(h):
             continue
         moved = np.einsum("nij,nj->ni", part[h, :3, :3], network.points[k]) + part[h, :3, 3]
-        target, line = network.points[near[h, k]], network.tangents[near[h, k]]
+        target, line = network.points[j], network.tangents[j]
         offset = moved - target
         offset -= line * (offset * line).sum(-1)[:, None]
         distance = np.sqrt((offset**2).sum(-1))

@@ -82,16 +82,32 @@ def long_stretches(hit, run_of, least):
     return hit & (stop - start + 1 >= least)
 
 
-def slips(motions, points, tangents, cosine=0.95):
-    """Where a curve runs along the motion itself, (h, n) bool: shifted a little further it would fit as well.
+def in_long_stretches(row, sample, run_of, least):
+    """(k,) bool, which hits lie in unbroken stretches; the hits being sorted by row and sample.
+
+    row, sample : (k,) int64; run_of, least : as in `long_stretches`, of which this is the sparse form
+    """
+    if not len(row):
+        return np.zeros(0, bool)
+    new = np.ones(len(row), bool)
+    new[1:] = (np.diff(sample) != 1) | (np.diff(row) != 0) | (run_of[sample[1:]] != run_of[sample[:-1]])
+    run = np.cumsum(new) - 1
+    return np.bincount(run)[run] >= (least if np.isscalar(least) else least[sample])
+
+
+def slips(motions, row, points, tangents, cosine=0.95):
+    """Where a curve runs along the motion itself, (k,) bool: shifted a little further it would fit as well.
+
+    row : (k,) int64, the motion of each sample; points, tangents : (k, 3) float64
 
     A motion is one moment of the screw motion v(p) = w x p + u that leads to it. A straight line along a
     translation and a circle about a rotation axis fit at every moment; that they fit at this one tells nothing.
     """
-    w, u = screw_velocity(motions)
-    v = np.cross(w[:, None, :], points[None]) + u[:, None, :]
-    along = np.abs((v * tangents).sum(-1))
-    return along > cosine * np.linalg.norm(v, axis=-1)
+    w, u = (x[row] for x in screw_velocity(motions))
+    x, y, z = points.T
+    v = np.stack([w[:, 1] * z - w[:, 2] * y, w[:, 2] * x - w[:, 0] * z, w[:, 0] * y - w[:, 1] * x], axis=1) + u
+    along = (v * tangents).sum(-1)
+    return along**2 > cosine**2 * (v**2).sum(-1)
 
 
 class Screen:
@@ -116,33 +132,47 @@ class Screen:
         self.curve = network.curve_of[pick]
         self.weight = network.weights[pick] * stride
         self.least = max(1, int(np.ceil(stretch / stride)))
+        self._moments = self.homogeneous.astype(float).T @ self.homogeneous / len(pick)
         self.radius, self.cosine, self.still, self.threads = radius, cosine, still, threads
 
-    def nearest(self, motions):
-        """Nearest samples (h, n) int32 of the moved samples and which of them agree (h, n) bool."""
+    def hits(self, motions):
+        """Agreeing samples as (row, sample, target), each (k,) int64, sorted by row and sample.
+
+        Row r, sample k: motion r takes sample k to within the radius of sample `target` of the whole network, with
+        the same tangent line, and moves it at all.
+        """
         h, n = len(motions), len(self.points)
         to_voxel = np.eye(4)
         to_voxel[:3] /= self.field.voxel
         to_voxel[:3, 3] = -self.field.low / self.field.voxel
         rows = (to_voxel @ motions)[:, :3, :].reshape(-1, 4).astype(np.float32)
-        at = (rows @ self.homogeneous.T).reshape(h, 3, n).astype(np.int32)
-        near = self.field.look_up(at[:, 0], at[:, 1], at[:, 2])
-        i, k = np.nonzero(near >= 0)
-        target = near[i, k]
-        turn = (motions[:, :3, :3].reshape(-1, 3).astype(np.float32) @ self.lines.T).reshape(h, 3, n)
-        cosine = sum(turn[i, c, k] * self.all_lines[target, c] for c in range(3))
-        good = np.abs(cosine) > self.cosine
-        i, k = i[good], k[good]
-        hit = np.zeros((h, n), bool)
-        hit[i, k] = True
-        hit &= self.travel(motions) > self.still**2
+        moved = (rows @ self.homogeneous.T).reshape(h, 3, n)
+        at = moved.astype(np.int32)
+        near = self.field.look_up(at[:, 0], at[:, 1], at[:, 2]).ravel()
+        flat = np.flatnonzero(near >= 0)
+        i, k, j = flat // n, flat % n, near[flat]
+        turned = np.einsum("kij,kj->ki", motions[:, :3, :3].astype(np.float32)[i], self.lines[k])
+        good = np.abs((turned * self.all_lines[j]).sum(-1)) > self.cosine
+        i, k, j = i[good], k[good], j[good]
+        good = self._travel(motions, i, k) > self.still**2
+        return i[good], k[good], j[good].astype(np.int64)
+
+    def nearest(self, motions):
+        """Nearest samples (h, n) int64 of the moved samples where they agree, and which agree (h, n) bool."""
+        i, k, j = self.hits(motions)
+        near = np.zeros((len(motions), len(self.points)), np.int64)
+        hit = np.zeros(near.shape, bool)
+        near[i, k], hit[i, k] = j, True
         return near, hit
 
-    def travel(self, motions):
-        """(h, n) float32, squared length of the way that each sample is moved."""
-        move = (motions - np.eye(4))[:, :3, :].reshape(-1, 4).astype(np.float32)
-        way = (move @ self.homogeneous.T).reshape(len(motions), 3, -1)
-        return (way**2).sum(axis=1)
+    def _travel(self, motions, row, sample):
+        """(k,) float32, squared length of the way of a sample under a motion."""
+        move = (motions - np.eye(4))[:, :3, :].astype(np.float32)
+        return (np.einsum("kij,kj->ki", move[row], self.homogeneous[sample]) ** 2).sum(-1)
+
+    def _specific(self, motions, row, sample):
+        """Which hits do not slip along their motions."""
+        return ~slips(motions, row, self.points[sample], self.tangents[sample])
 
     def _chunks(self, motions, function, chunk):
         chunk = chunk or max(1, 100_000 // len(self.points))
@@ -161,13 +191,13 @@ class Screen:
         both = np.stack([motions, motions if beside is None else inverse(beside) @ motions], axis=1)
 
         def part(pair):
-            _, hit = self.nearest(pair[:, 0])
-            hit = long_stretches(hit, self.curve, self.least)
-            hit &= ~slips(pair[:, 0], self.points, self.tangents)
+            i, k, _ = self.hits(pair[:, 0])
+            good = in_long_stretches(i, k, self.curve, self.least)
+            i, k = i[good], k[good]
+            good = self._specific(pair[:, 0], i, k)
             if beside is not None:
-                hit &= ~slips(pair[:, 1], self.points, self.tangents)
-                hit &= self.travel(pair[:, 1]) > self.still**2
-            return hit @ self.weight
+                good &= self._specific(pair[:, 1], i, k) & (self._travel(pair[:, 1], i, k) > self.still**2)
+            return np.bincount(i[good], self.weight[k[good]], minlength=len(pair))
 
         return np.concatenate(self._chunks(both, part, chunk))
 
@@ -186,7 +216,8 @@ class Screen:
         length = np.linalg.norm(way, axis=2, keepdims=True)
         # A direction nearly along the axis has no way left of its own; the other two then stand for it.
         way = np.where(length > 0.5, way / np.maximum(length, 1e-12), np.roll(way, 1, axis=1))
-        size = np.sqrt(self.travel(motions).mean(axis=1).astype(float))
+        move = (motions - np.eye(4))[:, :3, :]
+        size = np.sqrt(np.einsum("hij,jk,hik->h", move, self._moments, move))
         beside = np.repeat(motions[:, None], 8, axis=1)
         beside[:, 0:3, :3, 3] += off * way
         beside[:, 3:6, :3, 3] -= off * way
@@ -207,20 +238,19 @@ class Screen:
         def part(m):
             m = m.copy()
             for _ in range(rounds):
-                near, hit = self.nearest(m)
-                hit = long_stretches(hit, self.curve, self.least)
-                m = self.align(m, near, hit)
+                i, k, j = self.hits(m)
+                good = in_long_stretches(i, k, self.curve, self.least)
+                m = self.align(m, i[good], k[good], j[good])
             return m
 
         return np.concatenate(self._chunks(motions, part, chunk))
 
-    def align(self, motions, near, hit):
-        """Best motions for given correspondences; only the distance across the target curve counts."""
-        i, k = np.nonzero(hit)
+    def align(self, motions, i, k, j):
+        """Best motions (h, 4, 4) for hits (row, sample, target); only the distance across the target curve counts."""
         sums = np.zeros((len(motions), 17))
         a = self.points[k]
         moved = np.einsum("nij,nj->ni", motions[i, :3, :3], a) + motions[i, :3, 3]
-        target, line = self.all_points[near[i, k]], self.all_tangents[near[i, k]]
+        target, line = self.all_points[j], self.all_tangents[j]
         b = target + line * ((moved - target) * line).sum(-1)[:, None]
         w = self.weight[k]
         terms = [w, *(w * a.T), *(w * b.T), *(w * (b[:, :, None] * a[:, None, :]).reshape(-1, 9).T)]
