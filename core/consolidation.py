@@ -226,7 +226,7 @@ def _even(path):
     return resample_polyline(smooth_polyline(resample_polyline(path, 1.0, False), 1.0, False), 1.0, False)
 
 
-def _pull(line, points, tangents, weight, radius, ring, *, spread=2.0):
+def _pull(line, points, tangents, weight, radius, ring, *, spread=3.0):
     """A line moved onto the middle of the points along it.
 
     Each point gives its displacement from the line where it is nearest; displacements, not places, are averaged

@@ -209,8 +209,10 @@ def agreement(overlay: Overlay, *, radius, cosine=0.8, stretch=8, shifts=None, p
             foot[i] = points[j] + line * ((points[i] - points[j]) * line).sum(1)[:, None]
         hit = long_stretches(hit[None], overlay.run, stretch)[0]
         count += hit
-        mean[hit] += foot[hit]
-        total[hit] += 1
+        # The nearer, the more it counts: a curve beside this one must not draw it over.
+        w = np.exp(-0.5 * ((foot[hit] - points[hit]) ** 2).sum(1) / (radius / 2) ** 2)
+        mean[hit] += w[:, None] * foot[hit]
+        total[hit] += w
         if progress:
             progress((b + 1) / cells)
     return count, mean / total[:, None]

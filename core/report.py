@@ -23,10 +23,10 @@ def report(completion: Completion, curves: Curves, *, version: str, parameters: 
     version : of this program
     parameters : what it was run with
     count : number of input curves, where the last of them left no curve; from `curves.source` if None
-    seconds : more times, of what is done outside the method ("read", "write")
+    seconds : more times, of what is done outside the method ("read", "detect", "write")
     """
     count = int(curves.source.max(initial=-1)) + 1 if count is None else count
-    times = {"read": 0.0, **dict.fromkeys(STAGES, 0.0), "write": 0.0, **completion.seconds, **(seconds or {})}
+    times = {"read": 0.0, "detect": 0.0, **dict.fromkeys(STAGES, 0.0), "write": 0.0, **completion.seconds, **(seconds or {})}
     work = {name: int(value) for name, value in completion.work.items()}
     return {
         "schema": SCHEMA,

@@ -55,7 +55,7 @@ def consolidate(
     empty = Draft([], [], overlay.poses, overlay.keys, np.zeros((len(overlay.poses), 0)), transformation)
     if not keep.any():
         return empty
-    points, tangents = condense(mean[keep], overlay.tangents[keep], weight[keep], radius=1.25 * epsilon)
+    points, tangents = condense(mean[keep], overlay.tangents[keep], weight[keep], radius=1.0 * epsilon)
     curves, closed = fit_curves(trace_curves(points, tangents), mean[keep], tangents, weight[keep], images=images)
     if not curves:
         return empty

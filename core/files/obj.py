@@ -4,13 +4,14 @@
 from __future__ import annotations
 
 import io
+import re
 
 import numpy as np
 
 from ..errors import InputError
 from ..graph import chains_of_edges, split_paths
 from .network import Reading, curves_of_chains
-from .source import load_lines, parse_numbers
+from .source import load, load_lines, parse_numbers
 
 
 def read_obj(path) -> Reading:
@@ -29,6 +30,12 @@ def read_obj(path) -> Reading:
     else:
         chains = split_paths(index, offsets)
     return curves_of_chains(path, points, chains)
+
+
+def obj_content(path) -> tuple[bool, bool]:
+    """Whether the file has `f` lines, and whether it has `l` lines."""
+    data = load(path)
+    return tuple(re.search(rb"^[ \t]*" + word + rb"[ \t]", data, re.MULTILINE) is not None for word in (b"f", b"l"))
 
 
 def read_obj_surface(path):

@@ -54,6 +54,12 @@ def read_ply(path) -> Reading:
     return curves_of_chains(path, points, chains_of_edges(edges), strength)
 
 
+def ply_content(path) -> tuple[bool, bool]:
+    """Whether the header tells of faces, and whether it tells of edges."""
+    counts = {element.name: element.count for element in _header(path, load(path))[1]}
+    return counts.get("face", 0) > 0, counts.get("edge", 0) > 0
+
+
 def read_ply_surface(path):
     """Points (n, 3) float64 and triangles (m, 3) int64; polygons are cut into fans."""
     elements = _read(path)

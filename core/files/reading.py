@@ -3,19 +3,40 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from ..errors import InputError
+from .glb import read_glb_surface
 from .network import Reading, concatenate
-from .obj import read_obj, read_obj_surface
-from .ply import read_ply, read_ply_surface
+from .obj import obj_content, read_obj, read_obj_surface
+from .ply import ply_content, read_ply, read_ply_surface
 from .ridges import read_ridges
 from .stl import read_stl_surface
 
 CURVE_READERS = {".obj": read_obj, ".ply": read_ply, ".txt": read_ridges}
-SURFACE_READERS = {".obj": read_obj_surface, ".ply": read_ply_surface, ".stl": read_stl_surface}
+SURFACE_READERS = {
+    ".obj": read_obj_surface, ".ply": read_ply_surface, ".stl": read_stl_surface, ".glb": read_glb_surface,
+}  # fmt: skip
+CONTENTS = {".obj": obj_content, ".ply": ply_content}
+
+
+@dataclass(frozen=True)
+class Content:
+    """Whether a file has faces, and whether it has curves."""
+
+    faces: bool
+    curves: bool
+
+
+def content(path) -> Content:
+    """What there is in a file, without reading it all; a file that names neither is for its reader to refuse."""
+    suffix = Path(path).suffix.lower()
+    if suffix in CONTENTS:
+        return Content(*CONTENTS[suffix](path))
+    return Content(suffix in SURFACE_READERS, suffix in CURVE_READERS)
 
 
 def read_curves(paths) -> Reading:
@@ -24,7 +45,7 @@ def read_curves(paths) -> Reading:
 
 
 def read_surface(path):
-    """Points (n, 3) float64 and triangles (m, 3) int64 of a .ply, .obj or .stl file."""
+    """Points (n, 3) float64 and triangles (m, 3) int64 of a .ply, .obj, .stl or .glb file."""
     return _reader(path, SURFACE_READERS, "a surface")(path)
 
 
