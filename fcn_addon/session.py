@@ -3,9 +3,10 @@
 
 from __future__ import annotations
 
+import os
 import time
 import traceback
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import bpy
 
@@ -60,9 +61,15 @@ def begin(context) -> Run:
         raise InputError("a run is under way; wait for it or cancel it")
     task = sources.take(context)
     seconds = summary.summarise(task.reading.curves, task.edge_length, task.parameters).seconds
-    _run = Run(task, Job(lambda report: _work(task, report)), progress.Progress(seconds, time.monotonic()))
+    work = replace(task, parameters=_leaving_room(task.parameters))
+    _run = Run(task, Job(lambda report: _work(work, report)), progress.Progress(seconds, time.monotonic()))
     _run.job.start()
     return _run
+
+
+def _leaving_room(parameters):
+    """The parameters with one processor left to the window, unless the number of threads is set."""
+    return parameters if parameters.threads else replace(parameters, threads=max(1, (os.cpu_count() or 2) - 1))
 
 
 def run_now(context, report=None):

@@ -54,6 +54,14 @@ def session(driver):
     yield lambda: isinstance(latest.latest(), latest.Summary)
     yield 0.3
     driver.picture("1-panel")
+    found = []
+    yield from driver.find("bpy.ops.fcn.complete()", found)
+    x, y = found[0][0], found[0][1] - 45  # the header of the parameters, which lies below the button
+    yield from driver.click(x, y)
+    yield 0.7
+    driver.picture("1-parameters")
+    yield from driver.click(x, y)
+    yield 0.7
 
     yield from driver.press("bpy.ops.fcn.complete()")
     yield running.running
