@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Makes the pictures of docs/ from those of the sessions: `python tests/window/keep_pictures.py FOLDER` (needs Pillow)."""
+"""Makes the pictures of docs/ of those of the sessions: `python tests/window/keep_pictures.py FOLDER`. Needs Pillow."""
 
 import sys
 from pathlib import Path
