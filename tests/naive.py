@@ -257,13 +257,10 @@ def nearest(points, place):
 
 def distance_to_polyline(place, line, closed=False):
     """Distance of a place from the segments of a polyline."""
-    corners = [*line, line[0]] if closed else list(line)
-    best = np.inf
-    for p, q in zip(corners[:-1], corners[1:]):
-        side = q - p
-        u = np.clip(np.dot(place - p, side) / max(np.dot(side, side), 1e-300), 0, 1)
-        best = min(best, float(np.linalg.norm(p + u * side - place)))
-    return best
+    corners = np.array([*line, line[0]] if closed else line)
+    start, side = corners[:-1], np.diff(corners, axis=0)
+    u = np.clip(((place - start) * side).sum(axis=1) / np.maximum((side**2).sum(axis=1), 1e-300), 0, 1)
+    return float(np.linalg.norm(start + u[:, None] * side - place, axis=1).min())
 
 
 def shortest_ways(weight):

@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Noisy copies of a thing become one curve where the thing has one, and that curve is better than each copy."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.ndimage import gaussian_filter1d
+
+from core.consolidation import _graph, _longest_shortest_path, condense, fit_curves, trace_curves
+from tests import naive
+from tests.core import shapes
+
+COPIES, NOISE = 8, 0.45
+
+
+def copies(rng, curves, closed, *, noise=NOISE, count=COPIES):
+    """Points, tangents and the single noisy copies of the curves; each copy has a sample phase of its own."""
+    points, tangents, single = [], [], []
+    for _ in range(count):
+        for c, ring in zip(curves, closed):
+            mode = "wrap" if ring else "nearest"
+            c = np.roll(c, rng.integers(len(c)), axis=0) if ring else c
+            slow = gaussian_filter1d(rng.normal(size=c.shape), 2.0, axis=0, mode=mode) * 2.5
+            p = c + noise * (0.5 * rng.normal(size=c.shape) + 0.8 * slow)
+            step = (
+                np.roll(p, -2, 0) - np.roll(p, 2, 0) if ring else np.gradient(gaussian_filter1d(p, 1.0, axis=0), axis=0)
+            )
+            points.append(p)
+            tangents.append(step / np.linalg.norm(step, axis=1)[:, None])
+            single.append(p)
+    return np.concatenate(points), np.concatenate(tangents), single
+
+
+def consensus(rng, curves, closed, **more):
+    points, tangents, single = copies(rng, curves, closed, **more)
+    weight = np.ones(len(points))
+    middle, lines = condense(points, tangents, weight, radius=2.5)
+    out, rings = fit_curves(trace_curves(middle, lines), middle, lines, weight)
+    return out, rings, single
+
+
+def error(line, curves, closed):
+    """Mean distance of a line's points from the true curves."""
+    return float(np.mean([min(naive.distance_to_polyline(p, c, r) for c, r in zip(curves, closed)) for p in line]))
+
+
+def missed(curves, closed, lines, rings, radius=1.5):
+    """Share of the true samples with no line near."""
+    truth = np.concatenate(curves)
+    return np.mean([min(naive.distance_to_polyline(p, q, r) for q, r in zip(lines, rings)) > radius for p in truth])
+
+
+THINGS = {
+    "line": ([shapes.line(50, way=[1, 2, 0.5])], [False], 1),
+    "arc": ([shapes.circle(25)[:80]], [False], 1),
+    "circle": ([shapes.circle(12)], [True], 1),
+    "helix": ([np.c_[9 * np.cos(np.arange(70) / 10), 9 * np.sin(np.arange(70) / 10), np.arange(70) * 0.4]], [False], 1),
+    "two lines": ([shapes.line(40), shapes.line(40, [0, 7, 0])], [False, False], 2),
+    "two circles": ([shapes.circle(9), shapes.circle(15)], [True, True], 2),
+    "corner": ([np.concatenate([shapes.line(25)[::-1], shapes.line(25, way=[0, 1, 0])[1:]])], [False], 2),
+}
+
+
+@pytest.mark.parametrize("name", THINGS)
+@pytest.mark.parametrize("seed", range(3))
+def test_one_curve_where_the_thing_has_one(name, seed):
+    curves, closed, count = THINGS[name]
+    lines, rings, single = consensus(np.random.default_rng(seed), curves, closed)
+    assert len(lines) == len(rings) == count
+    assert sorted(rings) == sorted(closed if name != "corner" else [False, False])
+    errors = [error(line, curves, closed) for line in lines]
+    each = [error(c, curves, closed) for c in single]
+    # At the corner itself smoothing rounds a little off.
+    assert max(errors) < (0.9 if name == "corner" else 0.6) * min(each), "nearer to the truth than the best copy"
+    assert missed(curves, closed, lines, rings) < 0.05
+    total = sum(naive.length(c, r) for c, r in zip(curves, closed))
+    assert sum(naive.length(c, r) for c, r in zip(lines, rings)) == pytest.approx(total, rel=0.08)
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("lean", [90, 60])
+def test_a_junction_has_a_stem_and_a_bar(seed, lean):
+    way = [np.cos(np.radians(lean)), np.sin(np.radians(lean)), 0]
+    curves, closed = [shapes.line(61, [-30, 0, 0]), shapes.line(35, way=way)], [False, False]
+    lines, rings, single = consensus(np.random.default_rng(seed), curves, closed)
+    assert len(lines) == 2 and not any(rings)
+    assert missed(curves, closed, lines, rings) < 0.05
+    # the bar is whole
+    assert max(naive.length(c) for c in lines) == pytest.approx(60, abs=4)
+    assert max(error(line, curves, closed) for line in lines) < min(error(c, curves, closed) for c in single)
+
+
+def test_samples_are_an_edge_length_apart(rng):
+    for name in ("arc", "circle"):
+        lines, rings, _ = consensus(rng, *THINGS[name][:2])
+        for line, ring in zip(lines, rings):
+            closing = [np.linalg.norm(line[0] - line[-1])] if ring else []
+            steps = np.r_[np.linalg.norm(np.diff(line, axis=0), axis=1), closing]
+            assert steps.max() < 1.15 and steps.min() > 0.7
+
+
+def test_a_missing_stretch_in_most_copies_is_bridged(rng):
+    arc = shapes.circle(25)[:90]
+    points, tangents, _ = copies(rng, [arc], [False])
+    at = np.tile(np.arange(len(arc)), COPIES)
+    keep = (at < 40) | (at > 46) | (np.arange(len(points)) < len(arc))
+    weight = np.ones(keep.sum())
+    middle, lines = condense(points[keep], tangents[keep], weight, radius=2.5)
+    out, rings = fit_curves(trace_curves(middle, lines), middle, lines, weight)
+    assert len(out) == 1 and naive.length(out[0]) == pytest.approx(89, rel=0.06)
+
+
+def test_condensing_is_the_mean_across_the_curve():
+    line = shapes.line(30)
+    both = np.concatenate([line + [0, 0.8, 0], line - [0, 0.4, 0]])
+    way = np.tile([1.0, 0, 0], (60, 1))
+    way[30:] *= -1  # tangents are lines: they have no sense
+    kept = both.copy(), way.copy()
+    middle, lines = condense(both, way, np.repeat([1.0, 2.0], 30), radius=4.0, rounds=6)
+    assert np.abs(middle[:, 1]).max() < 0.1 and np.allclose(middle[:, 0], both[:, 0])
+    assert np.allclose(np.abs(lines[:, 0]), 1)
+    assert np.array_equal(both, kept[0]) and np.array_equal(way, kept[1])
+
+
+def test_curves_that_cross_do_not_pull_each_other():
+    one, two = shapes.line(31, [-15, 0, 0]), shapes.line(31, [0, -15, 0], [0, 1, 0])
+    way = np.repeat([[1.0, 0, 0], [0, 1.0, 0]], 31, axis=0)
+    middle, _ = condense(np.concatenate([one, two]), way, np.ones(62), radius=3.0)
+    assert np.abs(middle[:31, 1]).max() < 1e-9 and np.abs(middle[31:, 0]).max() < 1e-9
+
+
+def test_the_longest_shortest_path_is_that_of_all_pairs(rng):
+    for _ in range(5):
+        curve = shapes.wiggle(rng, 40, bend=0.2)
+        way = np.gradient(curve, axis=0)
+        graph = _graph(curve, way / np.linalg.norm(way, axis=1)[:, None])
+        weight = np.where(graph.toarray() > 0, graph.toarray(), np.inf)
+        ways = naive.shortest_ways(weight)
+        assert np.isfinite(ways).all()
+        path = _longest_shortest_path(graph)
+        length = sum(weight[a, b] for a, b in zip(path[:-1], path[1:]))
+        assert length == pytest.approx(ways.max())
+        assert {int(path[0]), int(path[-1])} == {0, 39}
+
+
+def test_few_points():
+    assert trace_curves(np.zeros((0, 3)), np.zeros((0, 3))) == []
+    assert trace_curves(np.zeros((1, 3)), np.ones((1, 3))) == []
+    short = shapes.line(3)
+    assert trace_curves(short, np.tile([1.0, 0, 0], (3, 1)), shortest=10) == []
+    lines, rings = fit_curves([shapes.line(4)], shapes.line(4), np.tile([1.0, 0, 0], (4, 1)), np.ones(4))
+    assert lines == [] and rings == [], "shorter than what is kept"
