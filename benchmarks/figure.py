@@ -53,6 +53,29 @@ def draw(report, curves, path):
     figure.savefig(path, dpi=160)
 
 
+def draw_detected(found, path):
+    """Draw detected curves to an image file: ridges red, valleys blue, sharp edges black, boundaries green.
+
+    Parameters
+    ----------
+    found : list of FeatureCurves, drawn into one picture
+    """
+    points = np.concatenate([f.curves.points for f in found])
+    axes, centre = view(points), points.mean(axis=0)
+    lines = [_flat(f.curves.curve(i), f.curves.closed[i], centre, axes) for f in found for i in range(len(f))]
+    colour = [colours.KINDS[kind] for f in found for kind in f.kind]
+    span = np.ptp(np.concatenate(lines), axis=0)
+    width = 12.0
+    figure = Figure((width, width * float(np.clip(span[1] / max(span[0], 1e-12), 0.3, 1.6))), layout="constrained")
+    FigureCanvasAgg(figure)
+    panel = figure.subplots()
+    panel.add_collection(LineCollection(lines, colors=colour, linewidths=0.8))
+    panel.set_aspect("equal")
+    panel.autoscale_view()
+    panel.set_axis_off()
+    figure.savefig(path, dpi=120)
+
+
 def view(points) -> np.ndarray:
     """(2, 3) float64, the picture's right and up: the two main axes of the points, turned so that z is up if it can.
 

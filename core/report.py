@@ -26,7 +26,7 @@ def report(completion: Completion, curves: Curves, *, version: str, parameters: 
     seconds : more times, of what is done outside the method ("read", "detect", "write")
     """
     count = int(curves.source.max(initial=-1)) + 1 if count is None else count
-    times = {"read": 0.0, "detect": 0.0, **dict.fromkeys(STAGES, 0.0), "write": 0.0, **completion.seconds, **(seconds or {})}
+    times = {**dict.fromkeys(("read", "detect", *STAGES, "write"), 0.0), **completion.seconds, **(seconds or {})}
     work = {name: int(value) for name, value in completion.work.items()}
     return {
         "schema": SCHEMA,

@@ -12,11 +12,19 @@ from pathlib import Path
 import bpy
 
 from ..core.errors import InputError
-from . import scene_reader, scene_writer
+from . import curves_object, scene_reader, scene_writer
+from .scans import Scan
 
 
-def read(path, objects=(), collections=()):
-    """Curves of the named objects and collections of a file, or of all curve objects of its scene; a Reading."""
+def read(path, objects=(), collections=(), say=lambda line: None) -> list:
+    """The curves of a file as one Reading, then its scans, a Scan each.
+
+    Parameters
+    ----------
+    objects, collections : names; without any, all curve objects of the scene are read, and its meshes with faces
+        where it has no curves
+    say : called with a line where both are there
+    """
     if not os.path.isfile(path):
         raise InputError(f"{path}: no such file; check the path")
     try:
@@ -27,20 +35,36 @@ def read(path, objects=(), collections=()):
         raise InputError(f"{path}: Blender cannot open it ({reason}); was it cut off?") from None
     chosen = [_named(path, bpy.data.objects, "object", name) for name in objects]
     for name in collections:
-        inside = scene_reader.curve_objects(_named(path, bpy.data.collections, "collection", name).all_objects)
+        inside = _curves_or_scans(_named(path, bpy.data.collections, "collection", name).all_objects, path, say)
         if not inside:
-            raise InputError(f"{path}: collection {name!r} holds no edge mesh or curve object")
+            raise InputError(f"{path}: collection {name!r} holds no edge mesh, curve object or mesh with faces")
         chosen += inside
     if not objects and not collections:
-        chosen = scene_reader.curve_objects(bpy.context.scene.objects)
+        chosen = _curves_or_scans(bpy.context.scene.objects, path, say)
     if not chosen:
-        raise InputError(f"{path}: no edge mesh or curve object in its scene; name one with --object")
+        raise InputError(f"{path}: no edge mesh or curve object in its scene, nor a scan; name one with --object")
     chosen = list(dict.fromkeys(chosen))
     _show(chosen)
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    surfaces = [item for item in chosen if scene_reader.is_surface(item)]
+    curves = [item for item in chosen if item not in surfaces]
     try:
-        return scene_reader.read_objects(chosen, bpy.context.evaluated_depsgraph_get()).reading
+        found = [scene_reader.read_objects(curves, depsgraph).reading] if curves else []
+        for item in surfaces:
+            found.append(Scan(f"{path}: object {item.name!r}", *scene_reader.read_surface(item, depsgraph)))
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
+    return found
+
+
+def _curves_or_scans(objects, path, say):
+    """The curve objects among these, or where there are none the meshes with faces."""
+    objects = list(objects)
+    curves = scene_reader.curve_objects(objects)
+    surfaces = [item for item in objects if scene_reader.is_surface(item)]
+    if curves and surfaces:
+        say(f"{path} has curves and meshes with faces: the curves are taken; name a scan with --object to detect it")
+    return curves or surfaces
 
 
 def _named(path, items, what, name):
@@ -64,6 +88,19 @@ def write(completion, curves, path, source):
     """Save a result as a .blend file that holds nothing else."""
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     scene_writer.write(completion, curves, source=source, scene=bpy.context.scene)
+    _save(path)
+
+
+def write_detected(detected, path, source):
+    """Save detected curves as a .blend file that holds an edge mesh for each scan and nothing else."""
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    for d in detected:
+        name = source if len(detected) == 1 else Path(d.name).stem
+        bpy.context.scene.collection.objects.link(curves_object.make(f"{name} curves", d.found))
+    _save(path)
+
+
+def _save(path):
     for screen in bpy.data.screens:
         for area in screen.areas:
             for space in (s for s in area.spaces if s.type == "VIEW_3D"):

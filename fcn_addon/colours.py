@@ -8,6 +8,9 @@ from colorsys import hsv_to_rgb
 TEMPLATE = (0.05, 0.13, 0.50)
 STRONG = (0.35, 0.66, 0.95)
 NOISE = (0.60, 0.60, 0.60)
+DETECTED = (0.80, 0.35, 0.05)
+KINDS = ((0.78, 0.16, 0.10), (0.10, 0.35, 0.75), (0.10, 0.10, 0.10), (0.10, 0.60, 0.20))
+"""Of ridges, valleys, sharp edges and boundaries."""
 
 _GOLDEN = 0.618033988749895  # steps of the golden ratio keep any number of hues apart
 

@@ -7,13 +7,15 @@ import json
 import signal
 import time
 from contextlib import contextmanager
-from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 
 from ..core.errors import Cancelled, InputError
-from . import about, arguments
+from ..core.files.network import concatenate
+from ..core.files.reading import mean_edge_length, read_surface
+from . import about, arguments, detected_only, inputs, scans
 from .outputs import Outputs
+from .pictures import figure
 from .terminal import Terminal, duration
 
 DONE, WRONG, STOPPED = 0, 2, 130
@@ -39,33 +41,64 @@ def main(argv, prog="run.py") -> int:
 
 
 def _run(options, terminal):
-    parameters = arguments.parameters(options)
+    parameters, detection = arguments.parameters(options), arguments.detection_parameters(options)
+    kinds = arguments.kinds(options)
     wanted = _wanted(options)
-    inputs = [*options.input, *([options.surface] if options.surface else [])]
-    with Outputs(wanted.values(), inputs) as outputs:
+    sources = [*options.input, *([options.surface] if options.surface else [])]
+    with Outputs(wanted.values(), sources) as outputs:
         began = time.perf_counter()
-        reading = _read(options)
-        edge_length = _edge_length(options, reading)
+        parts = inputs.read(options, terminal.say)
         seconds = {"read": time.perf_counter() - began}
-        terminal.say(
-            f"{reading.count} curves, {len(reading.curves.points)} points, edge length {edge_length:.4g} "
-            f"({_origin(options)})"
-        )
-        completion = _complete(reading.curves, edge_length, parameters, terminal)
         began = time.perf_counter()
-        document = _report(completion, reading, parameters, seconds)
-        if "curves" in wanted:
-            _write_curves(document, outputs.part(wanted["curves"]))
-        if "figure" in wanted:
-            _figure()(document, reading.curves, outputs.part(wanted["figure"]))
-        if "out" in wanted:
-            from . import blend_file
+        parts, detected = _detect(parts, detection, kinds, terminal)
+        seconds["detect"] = time.perf_counter() - began
+        if options.detect_only:
+            said = detected_only.write(detected, detection, kinds, seconds, wanted, outputs, _name(options))
+        else:
+            reading = concatenate(parts)
+            edge_length = _edge_length(options, reading)
+            terminal.say(
+                f"{reading.count} curves, {len(reading.curves.points)} points, edge length {edge_length:.4g} "
+                f"({_origin(options, reading)})"
+            )
+            completion = _complete(reading.curves, edge_length, parameters, terminal)
+            document = _report(completion, reading, parameters, seconds)
+            document["detection"] = detected_only.described(detected, detection, kinds)
+            _write(completion, document, reading, wanted, outputs, _name(options))
+            said = _summary(document)
+    terminal.say(said + _written(wanted))
 
-            blend_file.write(completion, reading.curves, outputs.part(wanted["out"]), _name(options))
-        document["seconds"]["write"] = time.perf_counter() - began
-        if "report" in wanted:
-            Path(outputs.part(wanted["report"])).write_text(json.dumps(document), encoding="utf-8")
-    terminal.say(_summary(document, wanted))
+
+def _detect(parts, parameters, kinds, terminal):
+    """The readings of all parts, and what was Detected in those that are scans."""
+    readings, detected = [], []
+    for part in parts:
+        if isinstance(part, scans.Scan):
+            found = scans.detect(part, parameters, kinds, terminal.progress)
+            terminal.say(
+                f"{part.name}: {len(found.found)} feature curves on {found.faces} faces, "
+                f"edge length {found.edge_length:.4g}"
+            )
+            detected.append(found)
+            part = found.reading
+        readings.append(part)
+    return readings, detected
+
+
+def _write(completion, document, reading, wanted, outputs, name):
+    """Everything that is asked for of a completed network."""
+    began = time.perf_counter()
+    if "curves" in wanted:
+        _write_curves(document, outputs.part(wanted["curves"]))
+    if "figure" in wanted:
+        figure().draw(document, reading.curves, outputs.part(wanted["figure"]))
+    if "out" in wanted:
+        from . import blend_file
+
+        blend_file.write(completion, reading.curves, outputs.part(wanted["out"]), name)
+    document["seconds"]["write"] = time.perf_counter() - began
+    if "report" in wanted:
+        Path(outputs.part(wanted["report"])).write_text(json.dumps(document), encoding="utf-8")
 
 
 def _wanted(options) -> dict:
@@ -75,58 +108,38 @@ def _wanted(options) -> dict:
     for name, path in wanted.items():
         if name in endings and Path(path).suffix.lower() != endings[name]:
             raise InputError(f"{path}: --{name} writes a {endings[name]} file; end the name so")
-    if ("out" in wanted or any(_is_blend(path) for path in options.input)) and find_spec("bpy") is None:
+    if ("out" in wanted or any(inputs.is_blend(path) for path in options.input)) and find_spec("bpy") is None:
         raise InputError(
             "a .blend file needs Blender: use `blender -b -P run.py -- …`, or `pip install bpy` for this Python"
         )
     if "figure" in wanted:
-        _figure()
+        figure()
     return wanted
 
 
-def _is_blend(path):
-    return Path(path).suffix.lower() == ".blend"
-
-
-def _read(options):
-    from ..core.files.network import concatenate
-    from ..core.files.reading import read_curves
-
-    if (options.object or options.collection) and not any(_is_blend(path) for path in options.input):
-        raise InputError("--object and --collection choose from a .blend file; give one, or leave them out")
-    readings = []
-    for path in options.input:
-        if _is_blend(path):
-            from . import blend_file
-
-            readings.append(blend_file.read(path, options.object, options.collection))
-        else:
-            readings.append(read_curves([path]))
-    return concatenate(readings)
-
-
 def _edge_length(options, reading):
-    from ..core.files.reading import mean_edge_length, read_surface
     from ..core.network import estimate_edge_length
 
     if options.surface:
         return mean_edge_length(*read_surface(options.surface))
-    return options.edge_length or estimate_edge_length(reading.curves, crossings=reading.crossings)
+    known = options.edge_length or reading.edge_length
+    return known or estimate_edge_length(reading.curves, crossings=reading.crossings)
 
 
-def _origin(options):
+def _origin(options, reading):
     if options.surface:
         return f"mean edge of {Path(options.surface).name}"
-    return "as given" if options.edge_length else "estimated from the curves; --edge-length or --surface set it"
+    if options.edge_length:
+        return "as given"
+    if reading.edge_length:
+        return "mean edge of the scan"
+    return "estimated from the curves; --edge-length or --surface set it"
 
 
 def _complete(curves, edge_length, parameters, terminal):
-    try:
-        from ..core.pipeline import complete
-    except ModuleNotFoundError as error:
-        if (error.name or "").partition(".")[0] != "scipy":
-            raise
-        raise InputError("scipy is missing: install the extension's zip for this platform again") from None
+    scans.require_scipy()
+    from ..core.pipeline import complete
+
     return complete(curves, edge_length=edge_length, parameters=parameters, progress=terminal.progress)
 
 
@@ -150,31 +163,24 @@ def _write_curves(document, path):
     write_obj(path, [c["points"] for c in curves], [c["closed"] for c in curves], groups)
 
 
-def _figure():
-    """The function that draws the pictures; it is not part of the extension."""
-    root = __package__.rpartition(".")[0]
-    if not (about.ROOT / "benchmarks" / "figure.py").exists():
-        raise InputError("--figure is not in the extension; use run.py of the project's folder")
-    if find_spec("matplotlib") is None:
-        raise InputError("--figure needs matplotlib: `pip install matplotlib` for the Python that runs this")
-    return import_module(f"{root}.benchmarks.figure").draw
-
-
 def _name(options):
     return ", ".join([*options.object, *options.collection]) or Path(options.input[0]).stem
 
 
-def _summary(document, wanted) -> str:
+def _summary(document) -> str:
     templates, curves = document["templates"], document["curves"]
     occurrences = sum(len(t["occurrences"]) for t in templates)
     strong = sum(c["kind"] == "strong" for c in curves)
-    text = (
+    return (
         f"{len(document['transformations'])} transformations, {len(templates)} templates at {occurrences} places, "
         f"{len(curves)} curves of which {strong} strong single ones; {duration(sum(document['seconds'].values()))}"
     )
+
+
+def _written(wanted) -> str:
     if not wanted:
-        return text + "; nothing was written, --out, --curves, --report or --figure say where to"
-    return text + "; wrote " + ", ".join(str(path) for path in wanted.values())
+        return "; nothing was written, --out, --curves, --report or --figure say where to"
+    return "; wrote " + ", ".join(str(path) for path in wanted.values())
 
 
 @contextmanager

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Edge meshes and curve objects of a scene as curves: evaluated, in world space."""
+"""Edge meshes and curve objects of a scene as curves, its meshes as surfaces: evaluated, in world space."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import bpy
 import numpy as np
@@ -14,6 +14,7 @@ from ..core.graph import chains_of_edges
 
 KINDS = ("MESH", "CURVE", "CURVES")
 STRENGTH = "curvature"  # a float attribute of the points, 1 / length
+EDGE_LENGTH = "edge_length"  # a custom property of detected curves: the mean edge length of their scan
 
 
 @dataclass(frozen=True)
@@ -32,6 +33,37 @@ class SceneReading:
 def curve_objects(objects) -> list:
     """Those that may hold curves: curve objects, and meshes that have edges and no faces."""
     return [o for o in objects if o.type in KINDS and (o.type != "MESH" or (o.data.edges and not o.data.polygons))]
+
+
+def is_surface(item) -> bool:
+    """Whether an object is a mesh with faces, in which curves can be detected."""
+    return item.type == "MESH" and len(item.data.polygons) > 0
+
+
+def read_surface(item, depsgraph):
+    """Points (n, 3) float64 and triangles (m, 3) int64 of a mesh object, polygons cut as Blender cuts them.
+
+    Raises InputError for other types, no faces, coordinates that are not finite.
+    """
+    if item.type != "MESH":
+        raise InputError(f"object {item.name!r} is of type {item.type}; choose a mesh with faces")
+    evaluated = item.evaluated_get(depsgraph)
+    mesh = evaluated.to_mesh()
+    try:
+        if mesh is None or not mesh.polygons:
+            raise InputError(f"object {item.name!r} has no faces; choose a scan, or complete its curves directly")
+        points = np.empty(3 * len(mesh.vertices), np.float32)
+        mesh.vertices.foreach_get("co", points)
+        mesh.calc_loop_triangles()
+        triangles = np.empty(3 * len(mesh.loop_triangles), np.int32)
+        mesh.loop_triangles.foreach_get("vertices", triangles)
+    finally:
+        evaluated.to_mesh_clear()
+    matrix = np.array(evaluated.matrix_world, float)
+    triangles = triangles.reshape(-1, 3).astype(np.int64)
+    if np.linalg.det(matrix[:3, :3]) < 0:  # mirrored: what was outside is inside
+        triangles = triangles[:, ::-1]
+    return _world(item.name, points, matrix), triangles
 
 
 def read_objects(objects, depsgraph) -> SceneReading:
@@ -67,7 +99,8 @@ def _read_object(item, depsgraph) -> Reading:
                 else "detect its feature curves first"
             )
             raise InputError(f"object {item.name!r} is a surface of {len(mesh.polygons)} faces; {remedy}")
-        return _read_mesh(item.name, mesh, matrix)
+        reading = _read_mesh(item.name, mesh, matrix)
+        return replace(reading, edge_length=_known_edge_length(item, matrix))
     finally:
         evaluated.to_mesh_clear()
 
@@ -125,6 +158,14 @@ def _world(name, points, matrix) -> np.ndarray:
     if len(wrong):
         raise InputError(f"object {name!r}: vertex {wrong[0]} is not finite; remove it or correct it")
     return points
+
+
+def _known_edge_length(item, matrix):
+    """Mean edge length of the scan that detected curves come from in world space, None where it is not known."""
+    value = item.get(EDGE_LENGTH)
+    if not isinstance(value, float) or not np.isfinite(value) or value <= 0:
+        return None
+    return value * abs(np.linalg.det(matrix[:3, :3])) ** (1 / 3) or None
 
 
 def _floats(attribute, count, matrix):

@@ -18,11 +18,13 @@ class Reading:
 
     count : how many input curves the files name; `curves.source` counts them, and those without length are left out
     crossings : the points lie where the curves cross the edges of a mesh, so that segments are shorter than edges
+    edge_length : mean edge length of the mesh that the curves come from, scene units; None where it is not known
     """
 
     curves: Curves
     count: int
     crossings: bool = False
+    edge_length: float | None = None
 
 
 def curves_of_chains(path, points, chains: Chains, strength=None) -> Reading:
@@ -76,7 +78,7 @@ def curves_of_samples(path, points, offsets, closed, source, strength=None) -> R
 
 
 def concatenate(readings) -> Reading:
-    """All readings as one; strength stays only where each has it."""
+    """All readings as one; strength stays only where each has it, the edge length is the mean of those known."""
     readings = list(readings)
     if len(readings) == 1:
         return readings[0]
@@ -91,4 +93,12 @@ def concatenate(readings) -> Reading:
         np.concatenate([c.strength for c in every]) if known else None,
         np.concatenate([c.source + n for c, n in zip(every, counts)]),
     )
-    return Reading(curves, int(counts[-1]), all(r.crossings for r in readings))
+    lengths = [(r.edge_length, len(r.curves.points)) for r in readings if r.edge_length]
+    edge_length = _mean(lengths) if lengths else None
+    return Reading(curves, int(counts[-1]), all(r.crossings for r in readings), edge_length)
+
+
+def _mean(pairs) -> float:
+    """Average of (value, weight)."""
+    values, weights = np.transpose(pairs)
+    return float(np.average(values, weights=weights))

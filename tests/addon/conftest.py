@@ -110,6 +110,23 @@ def arcs():
 
 
 @pytest.fixture
+def bumps():
+    """Makes points and triangles of a sheet with three equal wavy ridges; the edges are about 0.2 long."""
+
+    def make(rows=3, step=0.2):
+        x, y = np.arange(0, 12, step), np.arange(-2, 6 * rows - 2, step)
+        grid = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
+        path = np.sin(0.9 * grid[:, 0]) + 0.3 * np.cos(2.1 * grid[:, 0])
+        away = (grid[:, 1] - path + 3) % 6 - 3
+        points = np.c_[grid, np.exp(-((away / 0.5) ** 2))]
+        index = np.arange(len(grid)).reshape(len(x), len(y))
+        a, b, c, d = (part.ravel() for part in (index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]))
+        return points, np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
+
+    return make
+
+
+@pytest.fixture
 def wall(bpy, curves):
     """The curves as a selected edge mesh "Wall" in the scene."""
     mesh = bpy.data.meshes.new("Wall")

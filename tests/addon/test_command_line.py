@@ -98,7 +98,7 @@ CASES = [
     (["garbage.ply"], "garbage.ply: no PLY header"),
     (["garbage.txt"], "garbage.txt: this is binary data"),
     (["nan.obj"], "nan.obj: line 2: 'nan' is not finite"),
-    (["in.stl"], "curves cannot be read from a .stl file"),
+    (["in.xyz"], "a .xyz file cannot be read; give one of .blend, .glb, .obj, .ply, .stl, .txt"),
     (["in.obj", "--l0", "x"], "--l0: 'x' is not a number"),
     (["in.obj", "--l0", "1"], "l0 is 1.0: give a number of at least 4 (edge lengths)"),
     (["in.obj", "--l0", "nan"], "l0 is nan"),
@@ -140,7 +140,7 @@ def test_names_that_a_blend_file_does_not_have(folder, fcn, bpy):
     for arguments, message in [
         (["--object", "Q"], "a.blend: no object 'Q'"),
         (["--collection", "Q"], "a.blend: no collection 'Q'"),
-        ([], "a.blend: no edge mesh or curve object"),
+        ([], "a.blend: no edge mesh or curve object in its scene, nor a scan"),
     ]:
         code, said = fcn("a.blend", *arguments)
         assert (code, said.count("\n")) == (2, 1) and message in said

@@ -45,7 +45,7 @@ def test_it_is_json_and_has_what_is_promised(completion, curves):
     assert document["version"] == "1.2.3"
     assert document["input"] == {"curves": 3, "samples": 9, "edge_length": 0.5}
     assert document["parameters"]["l0"] == 30
-    assert set(document["seconds"]) == {"read", *STAGES, "write"}
+    assert set(document["seconds"]) == {"read", "detect", *STAGES, "write"}
     assert document["seconds"]["blast"] == 1.5
     assert document["work"] == {"matches": 3}
     (step,) = document["transformations"]
