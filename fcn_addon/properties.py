@@ -126,7 +126,7 @@ class FCN_PG_settings(PropertyGroup):
         name="Edge Length",
         description="The mean edge length of the scan that the curves come from. All sizes are multiples of it",
         items=(
-            ("ESTIMATE", "Estimate", "Estimate it from the curves: right where they run along the edges of the scan"),
+            ("ESTIMATE", "Estimate", "Take what detected curves know, or estimate it from the segments of the curves"),
             ("SCAN", "From Scan", "Measure it on the scan that the curves come from"),
             ("VALUE", "Value", "Type it in"),
         ),

@@ -66,7 +66,7 @@ def take(context, hidden=True) -> Task:
     with _shown(context, objects if hidden else ()):
         depsgraph = context.evaluated_depsgraph_get()
         read = scene_reader.read_objects(objects, depsgraph)
-        unit = edge_length(context, depsgraph)
+        unit = edge_length(context, depsgraph) or read.reading.edge_length
     return Task(
         label(context, objects),
         Identity.of(context.scene),

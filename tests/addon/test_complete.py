@@ -82,6 +82,9 @@ def test_a_collection_with_those_inside_it(bpy, part, wall, work):
 def test_the_edge_length(bpy, part, wall):
     sources, settings = part("fcn_addon.sources"), bpy.context.scene.fcn
     assert sources.take(bpy.context).edge_length is None
+    wall["edge_length"] = 0.25  # detected curves know it
+    assert sources.take(bpy.context).edge_length == pytest.approx(0.25)
+    del wall["edge_length"]
     settings.edge_length_from, settings.edge_length = "VALUE", 0.03
     assert sources.take(bpy.context).edge_length == 0.03
     mesh = bpy.data.meshes.new("Scan")
