@@ -108,7 +108,8 @@ def build_network(curves: Curves, *, edge_length: float, smoothing: float = 1.5)
     points, offsets, closed, again = _resample(smooth, 1.0)
     kept = kept[again]
     points, offsets, closed, order = _canonical(points, offsets, closed)
-    kept = kept[order]
+    # Rounding errors of another pose, scale or order end here: from here on the numbers are the same bit by bit.
+    points, kept = np.round(points, 6), kept[order]
     curve_of = np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
     tangents, weights = _tangents(points, offsets, closed, curve_of)
     return CurveNetwork(
