@@ -15,7 +15,7 @@ import bpy
 EXTENSION = "bl_ext.user_default.fcn_addon"
 STEP = 0.02  # seconds between two looks at what the session waits for
 ROUNDS = 2  # of Blender's main loop, at least: a busy machine is slow to take in what the mouse does
-PATIENCE = 120.0
+PATIENCE = 300.0
 
 
 class Driver:
