@@ -11,6 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from .errors import InputError
 from .values import Curves
@@ -31,6 +32,8 @@ class CurveNetwork:
     strength : (m,) float64, average curvature of each curve (1 / edge length), NaN where unknown
     source : (m,) int64, index of the curve in the Curves it was made from
     rotation, centre, unit : frame to world is ``points * unit @ rotation.T + centre``
+    normals, kind : (n, 3) float64, unit, of the surface that the curves are on, and (n,) int64, ridge, valley or
+        other; None where unknown
     """
 
     points: np.ndarray
@@ -44,6 +47,8 @@ class CurveNetwork:
     rotation: np.ndarray
     centre: np.ndarray
     unit: float
+    normals: np.ndarray | None = None
+    kind: np.ndarray | None = None
 
     def __len__(self) -> int:
         return len(self.offsets) - 1
@@ -99,6 +104,7 @@ def build_network(curves: Curves, *, edge_length: float, smoothing: float = 1.5)
     _check(curves, edge_length)
     rotation, centre = _frame(curves, edge_length)
     points = (curves.points - centre) @ rotation / edge_length
+    normals, kind = None if curves.normals is None else curves.normals @ rotation, curves.kind
     curves = Curves(points, curves.offsets, curves.closed, curves.strength, curves.source)
     strength = _average_strength(curves) * edge_length
     fine, offsets, closed, kept = _resample(curves, 0.5)
@@ -112,9 +118,13 @@ def build_network(curves: Curves, *, edge_length: float, smoothing: float = 1.5)
     points, kept = np.round(points, 6), kept[order]
     curve_of = np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
     tangents, weights = _tangents(points, offsets, closed, curve_of)
+    if normals is not None or kind is not None:
+        nearest = cKDTree(curves.points).query(points)[1]
+        normals, kind = (None if values is None else values[nearest] for values in (normals, kind))
     return CurveNetwork(
-        points, tangents, weights, offsets, closed, curve_of, strength[kept], kept, rotation, centre, float(edge_length)
-    )
+        points, tangents, weights, offsets, closed, curve_of, strength[kept], kept, rotation, centre,
+        float(edge_length), normals, kind,
+    )  # fmt: skip
 
 
 def _check(curves: Curves, edge_length: float) -> None:

@@ -16,6 +16,10 @@ from scipy.spatial import cKDTree
 from .network import CurveNetwork
 from .rigid import best_rotation, exponential, inverse, motion, screw_velocity
 
+FACING = 0.7
+"""Least cosine between the normals of the surface at a sample and at its image. Noise turns them by 20 degrees; the
+inner and the outer side of a moulding, which runs beside itself, lie farther apart."""
+
 
 class NeighbourField:
     """Nearest sample of the network by table look-up: one entry a voxel, exact to half a voxel.
@@ -129,6 +133,10 @@ class Screen:
         self.lines = self.tangents.astype(np.float32)
         self.all_points, self.all_tangents = network.points, network.tangents
         self.all_lines = network.tangents.astype(np.float32)
+        self.all_normals = None if network.normals is None else network.normals.astype(np.float32)
+        self.all_kinds = network.kind
+        self.kind = None if network.kind is None else network.kind[pick]
+        self.normals = None if self.all_normals is None else self.all_normals[pick]
         self.curve = network.curve_of[pick]
         self.weight = network.weights[pick] * stride
         self.least = max(1, int(np.ceil(stretch / stride)))
@@ -139,7 +147,9 @@ class Screen:
         """Agreeing samples as (row, sample, target), each (k,) int64, sorted by row and sample.
 
         Row r, sample k: motion r takes sample k to within the radius of sample `target` of the whole network, with
-        the same tangent line, and moves it at all.
+        the same tangent line, and moves it at all. Where the surface is known, its outside stays outside and
+        a ridge a ridge: a thing that is nearly flat and mirror-symmetric fits itself turned front to back, and the
+        lines of a moulding fit each other, but neither is there twice.
         """
         h, n = len(motions), len(self.points)
         to_voxel = np.eye(4)
@@ -154,6 +164,13 @@ class Screen:
         turned = np.einsum("kij,kj->ki", motions[:, :3, :3].astype(np.float32)[i], self.lines[k])
         good = np.abs((turned * self.all_lines[j]).sum(-1)) > self.cosine
         i, k, j = i[good], k[good], j[good]
+        if self.normals is not None:
+            turned = np.einsum("kij,kj->ki", motions[:, :3, :3].astype(np.float32)[i], self.normals[k])
+            good = (turned * self.all_normals[j]).sum(-1) > FACING
+            i, k, j = i[good], k[good], j[good]
+        if self.kind is not None:
+            good = self.kind[k] == self.all_kinds[j]
+            i, k, j = i[good], k[good], j[good]
         good = self._travel(motions, i, k) > self.still**2
         return i[good], k[good], j[good].astype(np.int64)
 

@@ -17,6 +17,8 @@ class Curves:
     closed : (m,) bool, the closing point is not repeated
     strength : (n,) float64, maximal absolute curvature (1 / length), or None where the input has none
     source : (m,) int64, the input curve that curve i came from (an input curve is cut where others meet it)
+    normals : (n, 3) float64, unit, outwards, of the surface that the curves were detected on, or None where unknown
+    kind : (n,) int64, index into `core.detection.KINDS`, or None where unknown
     """
 
     points: np.ndarray
@@ -24,6 +26,8 @@ class Curves:
     closed: np.ndarray
     strength: np.ndarray | None = None
     source: np.ndarray | None = None
+    normals: np.ndarray | None = None
+    kind: np.ndarray | None = None
 
     def __post_init__(self):
         if self.source is None:

@@ -149,16 +149,16 @@ def _collected(found, kinds, mesh) -> FeatureCurves:
     kind = np.concatenate([np.full(len(c), k) for k, _, c in parts]).astype(np.int64)
     length = np.concatenate([c.lengths(x.points) for _, x, c in parts])
     points = np.concatenate([x.points[c.nodes] for _, x, c in parts])
+    normals = np.concatenate([x.normals[c.nodes] for _, x, c in parts])
     strength = np.concatenate([x.strength[c.nodes] for _, x, c in parts])
     mean_strength = np.concatenate([_mean(c, x, x.strength) for _, x, c in parts])
     mean_fold = np.degrees(np.concatenate([_mean(c, x, x.fold) for _, x, c in parts]))
     sizes = np.concatenate([np.diff(c.offsets) for _, _, c in parts])
     closed = np.concatenate([c.closed for _, _, c in parts])
     offsets = np.r_[0, np.cumsum(sizes)].astype(np.int64)
-    curves = FeatureCurves(
-        Curves(points, offsets, closed, strength), kind, length, mean_strength, mean_fold, mesh.edge_length
-    )
-    return curves.select(np.lexsort((kind, -length)))
+    curves = Curves(points, offsets, closed, strength, normals=normals, kind=np.repeat(kind, sizes))
+    found = FeatureCurves(curves, kind, length, mean_strength, mean_fold, mesh.edge_length)
+    return found.select(np.lexsort((kind, -length)))
 
 
 def _mean(pieces, lines, values) -> np.ndarray:

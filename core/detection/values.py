@@ -42,7 +42,7 @@ class FeatureCurves:
         sizes = np.diff(c.offsets)[index]
         offsets = np.r_[0, np.cumsum(sizes)].astype(np.int64)
         at = np.arange(offsets[-1]) + np.repeat(c.offsets[index] - offsets[:-1], sizes)
-        curves = Curves(c.points[at], offsets, c.closed[index], c.strength[at])
+        curves = Curves(c.points[at], offsets, c.closed[index], c.strength[at], normals=c.normals[at], kind=c.kind[at])
         values = (x[index] for x in (self.kind, self.length, self.mean_strength, self.mean_fold))
         return FeatureCurves(curves, *values, self.edge_length)
 

@@ -78,7 +78,7 @@ def curves_of_samples(path, points, offsets, closed, source, strength=None) -> R
 
 
 def concatenate(readings) -> Reading:
-    """All readings as one; strength stays only where each has it, the edge length is the mean of those known."""
+    """All readings as one; strength and normals stay where all have them, the edge length is the mean of those known."""
     readings = list(readings)
     if len(readings) == 1:
         return readings[0]
@@ -86,12 +86,15 @@ def concatenate(readings) -> Reading:
     counts = np.cumsum([0] + [r.count for r in readings])
     every = [r.curves for r in readings]
     known = all(c.strength is not None for c in every)
+    surface = all(c.normals is not None and c.kind is not None for c in every)
     curves = Curves(
         np.concatenate([c.points for c in every]),
         np.concatenate([[0]] + [c.offsets[1:] + n for c, n in zip(every, sizes)]).astype(np.int64),
         np.concatenate([c.closed for c in every]),
         np.concatenate([c.strength for c in every]) if known else None,
         np.concatenate([c.source + n for c, n in zip(every, counts)]),
+        np.concatenate([c.normals for c in every]) if surface else None,
+        np.concatenate([c.kind for c in every]) if surface else None,
     )
     lengths = [(r.edge_length, len(r.curves.points)) for r in readings if r.edge_length]
     edge_length = _mean(lengths) if lengths else None
