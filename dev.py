@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Makes environments in .venv/ and runs things in them; needs Python 3.11 or 3.13 with venv, and a network once.
 
-python3 dev.py example              run the example; the results go to out/
+python3 dev.py example [facade]     run an example: a scan that is made first, or quick, curves; results go to out/
 python3 dev.py test [arguments]     run the tests (arguments go to pytest)
 python3 dev.py env EXTRA...         make the environment of these extras of pyproject.toml, print its Python
 """
@@ -14,8 +14,11 @@ import tomllib
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent
-EXAMPLE = ("run.py", "examples/facade.obj", "--edge-length", "0.02")
-RESULTS = {"--curves": "out/facade.obj", "--report": "out/facade.json", "--figure": "out/facade.png"}
+EXAMPLES = {  # name -> what makes its input, and what completes it
+    "scan": (("-m", "examples.make_scan", "out/wall.ply"), ("run.py", "out/wall.ply")),
+    "facade": (None, ("run.py", "examples/facade.obj", "--edge-length", "0.02")),
+}
+RESULTS = {"--curves": ".obj", "--report": ".json", "--figure": ".png"}
 
 # Blender's Python -> the oldest Blender that has it.
 BLENDER = {(3, 11): "bpy42", (3, 13): "bpy52"}
@@ -44,11 +47,17 @@ def environment(extras):
     return str(python)
 
 
-def example():
-    """Run the example; the exit code."""
+def example(name):
+    """Run an example; the exit code."""
     (ROOT / "out").mkdir(exist_ok=True)
-    results = [word for pair in RESULTS.items() for word in pair]
-    return subprocess.run([environment(["example"]), *EXAMPLE, *results], cwd=ROOT).returncode
+    python = environment(["example"])
+    make, complete = EXAMPLES[name]
+    if make is not None:
+        code = subprocess.run([python, *make], cwd=ROOT).returncode
+        if code:
+            return code
+    results = [word for option, ending in RESULTS.items() for word in (option, f"out/{name}{ending}")]
+    return subprocess.run([python, *complete, *results], cwd=ROOT).returncode
 
 
 def test(arguments):
@@ -62,8 +71,8 @@ def test(arguments):
 def main(arguments):
     """Do what the arguments say; the exit code."""
     match arguments:
-        case ["example"]:
-            return example()
+        case ["example", *name] if name in ([], *([known] for known in EXAMPLES)):
+            return example(*(name or ["scan"]))
         case ["test", *rest]:
             return test(rest)
         case ["env", first, *rest]:
