@@ -58,7 +58,10 @@ def cluster_votes(
         probe = Screen(network, stride=max(1, n // PROBES), stretch=0, **wide)
         motions = _best(probe, motions, SURVIVORS, lambda f: report(0.3 * f))
     middle = Screen(network, stride=3, stretch=10, **wide)
-    motions = _best(middle, motions, REFINED, lambda f: report(0.3 + 0.2 * f))
+    motions = _best(middle, motions, SURVIVORS, lambda f: report(0.3 + 0.2 * f))
+    # Votes near each other are refined to the same motion: one of them is enough, and others get their turn.
+    _, lead = np.unique(group_motions(motions, 6.0, 3.0), return_index=True)
+    motions = motions[np.sort(lead)[:REFINED]]
     motions = _refined(middle, motions, 4, lambda f: report(0.5 + 0.2 * f))
     motions = _refined(screen, motions, 2, lambda f: report(0.7 + 0.2 * f))
     support = screen.score(motions)

@@ -12,9 +12,10 @@ from .network import CurveNetwork
 from .rigid import embed, exponential, inverse, motion, rotation_vector, screw_velocity
 from .support import Screen
 
-ROOTS, SHARE, SAME, DISTINCT = 12, 0.75, 5.0, 0.4
+ROOTS, SHARE, SAME, DISTINCT, DISTINCT_ON_SURFACE = 12, 0.75, 5.0, 0.4, 0.25
 """Roots that are tried, share of the support that a root must keep, RMS edge lengths within which motions are one,
-and the share of its support by which a motion must stand out from those beside it."""
+and the share of its support by which a motion must stand out from those beside it: less where the surface has told
+the false ones off already, for on a scan straight jambs and mouldings are most of the length."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +65,8 @@ def detect_orbits(network: CurveNetwork, clusters: Clusters, screen: Screen, *, 
     limit = 1.2 * clusters.chance
     left = np.flatnonzero(clusters.support > limit)[:100]
     distinct = finder.screen.prominence(clusters.motions[left])
-    left = left[distinct > np.maximum(DISTINCT * clusters.support[left], clusters.chance)]
+    share = DISTINCT if screen.normals is None else DISTINCT_ON_SURFACE
+    left = left[distinct > np.maximum(share * clusters.support[left], 0.5 * clusters.chance)]
     total, found = max(1, len(left)), []
     while len(left) and len(found) < 40:
         orbit = finder.orbit(clusters.motions[left[0]], clusters.motions[left])

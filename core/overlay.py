@@ -120,11 +120,13 @@ def cell_coordinates(orbit: Orbit, points, margin):
     across, up = local @ x, local @ np.cross(axis, x)
     radius = np.hypot(across, up)
     angle = np.arctan2(up, across)
-    if not orbit.closed:
-        angle = (angle - _widest_gap(angle)) % (2 * np.pi)
     pitch = (axis @ v) / step
     if orbit.kind == "screw" and abs(pitch) > 1e-9:
-        angle = angle + 2 * np.pi * np.round(((local @ axis) / pitch - angle) / (2 * np.pi))
+        # All that lies on one turn of the helix lags behind its height by about the same angle.
+        lag = (local @ axis) / pitch - angle
+        angle = angle + 2 * np.pi * np.floor((lag - _widest_gap(lag % (2 * np.pi))) / (2 * np.pi))
+    elif not orbit.closed:
+        angle = (angle - _widest_gap(angle)) % (2 * np.pi)
     u = (angle / step)[:, None]
     if orbit.closed:
         u %= orbit.count[0] + 1

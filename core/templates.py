@@ -122,26 +122,28 @@ def group(draft: Draft, chance: float) -> list[Draft]:
 
 
 def _largest_group(evidence, length, chance):
-    """Members (indices) and cells of the largest set of curves that occur together."""
-    member = np.ones(len(length), bool)
-    for _ in range(4):
+    """Members (indices) and cells of the set of curves that occur together with the longest curve.
+
+    The longest curve says where to look first. A curve joins when it is seen in those cells about as often as the
+    members are, and not in others; with the members' evidence the cells are found anew.
+    """
+    member = np.zeros(len(length), bool)
+    member[np.argmax(length)] = True
+    seen_before = None
+    for _ in range(6):
         share = evidence[:, member] @ length[member] / length[member].sum()
-        level = np.median(np.sort(share)[::-1][: max(2, int((share > chance).sum()))])
-        cells = share > chance + 0.35 * max(level - chance, 0)
-        if cells.sum() < 2:
+        level = np.median(np.sort(share)[::-1][: max(2, int((share > 2 * chance).sum()))])
+        cells = share > chance + _least_share(level) * max(level - chance, 0)
+        if cells.sum() < 2 or (seen_before is not None and (cells == seen_before).all()):
             break
-        typical = max(float(share[cells].mean()), 1e-9)
-        inside, outside = evidence[cells].mean(axis=0), evidence[~cells].mean(axis=0) if (~cells).any() else 0
-        seen = (evidence[cells] > chance + 0.2).mean(axis=0)
-        now = (inside > 0.45 * typical) & (seen >= 0.4) & (outside < 0.6 * inside + chance)
-        if not now.any() or (now == member).all():
-            break
+        seen_before = cells
+        typical = float(share[cells].mean())
+        inside = evidence[cells].mean(axis=0)
+        outside = np.maximum(evidence[~cells] - chance, 0).sum(axis=0)
+        within = np.maximum(evidence[cells] - chance, 0).sum(axis=0)
+        now = (inside > 0.4 * typical) & (within >= 0.7 * (within + outside))
+        now[np.argmax(length)] = True
         member = now
-    if cells.sum() < 2:
-        lead = np.array([int(np.argmax(length))])
-        own = evidence[:, lead[0]]
-        return lead, np.flatnonzero(own > chance + 0.35 * max(own.max() - chance, 0))
-    share = evidence[:, member] @ length[member] / length[member].sum()
     return np.flatnonzero(member), np.flatnonzero(cells)
 
 
@@ -316,3 +318,8 @@ def _along(network, points, tangents, radius, cosine):
     good = found & (np.abs((tangents[near] * network.tangents[:, None]).sum(-1)) > cosine)
     first = np.argmax(good, axis=1)
     return good.any(axis=1), near[np.arange(len(near)), first]
+
+
+def _least_share(level):
+    """Share of what a full cell shows that makes a cell an occurrence: the more is seen, the more is asked for."""
+    return float(np.clip(level - 0.3, 0.35, 0.55))
