@@ -112,7 +112,7 @@ class _Finder:
         twist, support = self.root(twist)
         twist, kind = self.simplify(twist)
         twist, count, closed, support = self.fit(twist, kind)
-        if count == 0 or self.motion_of(twist[None])[0, 0] < 2 * self.still:
+        if count == 0 or self.motion_of(twist[None])[0, 0] < 1.5 * self.still:
             return None
         if kind == "translation":
             grid = self.grid(twist, count, others)
@@ -190,6 +190,8 @@ class _Finder:
             k = np.arange(1, order)
             seen = self.screen.score(exponential(snapped * k[:, None]))
             seen = seen > max(2 * self.chance, 0.3 * seen.max(initial=0))
+            # A power and its inverse are one fact; what an open arc does not show are the powers half way round.
+            seen = seen[(order - 1) // 4 : order - 1 - (order - 1) // 4]
             if order > 1 and seen.mean() >= 0.6 and self.motion_of(twist[None] - snapped[None])[0, 0] < 0.02 * size:
                 closed, twist = True, snapped
         k = np.arange(1, (order - 1 if closed else most) + 1)

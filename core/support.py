@@ -218,13 +218,30 @@ class Screen:
 
         return np.concatenate(self._chunks(both, part, chunk))
 
-    def prominence(self, motions, *, off=7.0):
+    def prominence(self, motions, *, off=(7.0, 4.0)):
         """(h,) float64, by how much a motion's support stands out from that of motions a little beside it.
 
-        Straight parts support every motion that takes them along themselves. Only what is lost `off` edge
-        lengths away, along the main directions of the curves and along the motion itself, tells for this one.
+        Straight parts support every motion that takes them along themselves. Only what is lost some edge lengths
+        away, along the main directions of the curves and along the motion itself, tells for this one. Fine
+        repetition may have its next step just there; therefore, where little is lost at the first distance, the
+        second one is tried, and a direction counts by the better of the two.
         A turn may slide along its axis, as grooves do: there the turn without a slide is the simplest.
         """
+        support = self.score(motions)
+        worth = np.flatnonzero(support > 0)
+        out = np.zeros(len(motions))
+        if not len(worth):
+            return out
+        left = self.score(self._beside(motions[worth], off[0]).reshape(-1, 4, 4)).reshape(-1, 8)
+        again = np.flatnonzero(left.max(axis=1) > 0.5 * support[worth])
+        if len(again):
+            nearer = self.score(self._beside(motions[worth[again]], off[1]).reshape(-1, 4, 4)).reshape(-1, 8)
+            left[again] = np.minimum(left[again], nearer)
+        out[worth] = support[worth] - left.max(axis=1)
+        return out
+
+    def _beside(self, motions, off):
+        """(h, 8, 4, 4), motions `off` edge lengths beside the given ones."""
         _, axes = np.linalg.eigh((self.tangents * self.weight[:, None]).T @ self.tangents)
         twists = np.concatenate(screw_velocity(motions), axis=1)
         angle = np.linalg.norm(twists[:, :3], axis=1)
@@ -240,12 +257,7 @@ class Screen:
         beside[:, 3:6, :3, 3] -= off * way
         for k, sign in ((6, 1), (7, -1)):
             beside[:, k] = exponential(twists * (1 + sign * off / np.maximum(size, off))[:, None])
-        support = self.score(motions)
-        worth = np.flatnonzero(support > 0)
-        out = np.zeros(len(motions))
-        if len(worth):
-            out[worth] = support[worth] - self.score(beside[worth].reshape(-1, 4, 4)).reshape(-1, 8).max(axis=1)
-        return out
+        return beside
 
     def refine(self, motions, rounds=3, chunk=None):
         """Motions improved by ICP on the supported samples, to the nearest tangent line."""

@@ -16,10 +16,15 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..detection import KINDS
 from ..errors import InputError
 from ..graph import chains_of_edges
 from .network import Reading, curves_of_chains, curves_of_samples
 from .source import load_lines, parse_numbers
+
+
+CONVEX = (4, 5, 6)
+"""CGAL's types of lines along convex edges; 1 to 3 run along concave ones."""
 
 
 def read_ridges(path) -> Reading:
@@ -48,7 +53,11 @@ def _read_cgal(path, rows, numbers) -> Reading:
     body[head] = False
     points, offsets = values[body], np.r_[0, np.cumsum(count - 1)]
     strength = np.repeat(_average(np.abs(values[head, 1]), _lengths(points, offsets)), count - 1)
-    return curves_of_samples(path, points, offsets, np.zeros(len(count), bool), np.arange(len(count)), strength)
+    convex = np.isin(values[head, 0].astype(np.int64), CONVEX)
+    kind = np.repeat(np.where(convex, KINDS.index("ridge"), KINDS.index("valley")), count - 1)
+    return curves_of_samples(
+        path, points, offsets, np.zeros(len(count), bool), np.arange(len(count)), strength, kind=kind
+    )
 
 
 def _read_crest(path, rows, numbers) -> Reading:
