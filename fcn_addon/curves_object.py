@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Detected feature curves as an edge mesh with the attributes `curvature` and `kind` on its points."""
+"""Detected feature curves as an edge mesh; its points have the attributes `curvature`, `kind`, `surface_normal`."""
 
 from __future__ import annotations
 
@@ -7,9 +7,7 @@ import bpy
 import numpy as np
 
 from . import colours, scene_writer
-from .scene_reader import EDGE_LENGTH, STRENGTH
-
-KIND = "kind"  # an int attribute of the points, index into core.detection.KINDS
+from .scene_reader import EDGE_LENGTH, KIND, NORMAL, STRENGTH
 
 
 def make(name, found):
@@ -36,17 +34,37 @@ def make(name, found):
 
 def mesh(name, found, centre):
     """A mesh of FeatureCurves with `centre` (3,) as its origin."""
-    curves = found.curves
-    data = scene_writer.mesh_data(name, curves, curves.points - centre)
+    data = bpy.data.meshes.new(name)
     try:
-        strength = curves.strength.astype(np.float32)
-        data.attributes.new(STRENGTH, "FLOAT", "POINT").data.foreach_set("value", strength)
-        kind = np.repeat(found.kind, np.diff(curves.offsets)).astype(np.int32)
-        data.attributes.new(KIND, "INT", "POINT").data.foreach_set("value", kind)
+        fill(data, found, centre)
     except BaseException:
         bpy.data.meshes.remove(data)
         raise
     return data
+
+
+def fill(data, found, centre):
+    """Put FeatureCurves into a mesh in place of what it holds."""
+    curves = found.curves
+    data.clear_geometry()
+    scene_writer.fill_mesh(data, curves, curves.points - centre)
+    for name, kind, field, values in (
+        (STRENGTH, "FLOAT", "value", curves.strength.astype(np.float32)),
+        (KIND, "INT", "value", curves.kind.astype(np.int32)),
+        (NORMAL, "FLOAT_VECTOR", "vector", curves.normals.astype(np.float32).ravel()),
+    ):
+        data.attributes.new(name, kind, "POINT").data.foreach_set(field, values)
+
+
+def holds(data, found, centre) -> bool:
+    """Whether a mesh has the points of FeatureCurves and as many edges, as `fill` left it."""
+    points = (found.curves.points - centre).astype(np.float32)
+    edges = len(points) - int(np.count_nonzero(~found.curves.closed))
+    if (len(data.vertices), len(data.edges)) != (len(points), edges):
+        return False
+    now = np.empty(points.size, np.float32)
+    data.vertices.foreach_get("co", now)
+    return bool(np.array_equal(now, points.ravel()))
 
 
 def middle(points) -> np.ndarray:

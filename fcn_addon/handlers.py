@@ -6,13 +6,14 @@ from __future__ import annotations
 import bpy
 from bpy.app.handlers import persistent
 
-from . import session, summary
+from . import detecting, session, summary
 
 
 @persistent
 def _before_load(*_):
     session.end()
     summary.stop()
+    detecting.forget()
 
 
 @persistent
@@ -37,6 +38,7 @@ def register():
 def unregister():
     session.end()
     summary.stop()
+    detecting.forget()
     for name, function in HANDLERS:
         kept = getattr(bpy.app.handlers, name)
         if function in kept:

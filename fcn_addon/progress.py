@@ -3,11 +3,14 @@
 
 from __future__ import annotations
 
-from ..core.report import STAGES
-
 # Share of the whole time that each stage takes, measured on the scenes of benchmarks/.
 SHARES = {"blast": 0.08, "voting": 0.01, "clustering": 0.38, "orbits": 0.36, "selection": 0.02, "completion": 0.15}
+DETECTION = {"mesh": 0.1, "curvature": 0.55, "lines": 0.35}
+SCAN = {name: 0.1 * share for name, share in DETECTION.items()} | {name: 0.9 * x for name, x in SHARES.items()}
 LABELS = {
+    "mesh": "Cleaning the mesh",
+    "curvature": "Measuring curvature",
+    "lines": "Tracing feature curves",
     "blast": "Matching curves",
     "voting": "Voting",
     "clustering": "Clustering transformations",
@@ -22,18 +25,22 @@ class Progress:
 
     estimate : seconds that the run is thought to take, before anything is known
     now : seconds of some clock
+    shares : stage -> share of the time, in the order of the stages
     """
 
-    def __init__(self, estimate, now):
+    def __init__(self, estimate, now, shares=SHARES):
         self.stage = ""
+        self._shares = shares
         self.fraction = 0.0
         self._estimate = estimate
         self._began = self._at = now
 
     def update(self, stage, fraction, now):
         """Take in what a stage says; the whole never goes back."""
-        before = sum(SHARES[s] for s in STAGES[: STAGES.index(stage)]) if stage in SHARES else self.fraction
-        done = before + SHARES.get(stage, 0.0) * min(max(fraction, 0.0), 1.0)
+        order = list(self._shares)
+        known = stage in self._shares
+        before = sum(self._shares[s] for s in order[: order.index(stage)]) if known else self.fraction
+        done = before + self._shares.get(stage, 0.0) * min(max(fraction, 0.0), 1.0)
         self.stage = stage
         self.fraction = min(max(self.fraction, done), 1.0)
         self._at = now

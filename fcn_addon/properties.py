@@ -4,19 +4,17 @@
 from __future__ import annotations
 
 from dataclasses import fields
-from math import degrees, inf, radians
 
 import bpy
 from bpy.props import (
     EnumProperty,
     FloatProperty,
-    IntProperty,
     PointerProperty,
 )
 from bpy.types import PropertyGroup
 
-from ..core.parameters import COUNT, DEGREES, EDGES, Parameters
-from . import results, summary
+from ..core.parameters import EDGES, Parameters
+from . import detection_properties, numbers, results, summary
 
 LABELS = {
     "l0": "Shortest Match",
@@ -40,35 +38,12 @@ LABELS = {
 BASIC = ("smoothing", "l0", "s", "link_gap", "epsilon")  # what a user changes first; the rest is in a sub-panel
 
 
-def _label(name):
-    return LABELS.get(name, name.replace("_", " ").title())
-
-
-def _help(field):
-    text = field.metadata["help"]
-    return text[:1].upper() + text[1:]
-
-
-def _property(field):
-    """A property with the default, the bounds and the words of a parameter."""
-    low, high = field.metadata["low"], field.metadata["high"]
-    common = {"name": _label(field.name), "description": _help(field), "update": summary.update}
-    if field.metadata["unit"] == COUNT:
-        high = {} if high == inf else {"max": int(high)}
-        return IntProperty(default=int(field.default), min=int(low), **high, **common)
-    if field.metadata["unit"] == DEGREES:
-        low, high, default = radians(low), radians(high), radians(field.default)
-        return FloatProperty(default=default, min=low, max=high, subtype="ANGLE", precision=2, step=10, **common)
-    high = {} if high == inf else {"max": high}
-    return FloatProperty(default=field.default, min=low, **high, precision=2, step=10, **common)
-
-
 FCN_PG_parameters = type(
     "FCN_PG_parameters",
     (PropertyGroup,),
     {
         "__doc__": "The parameters of the method, made from `Parameters`.",
-        "__annotations__": {field.name: _property(field) for field in fields(Parameters)},
+        "__annotations__": numbers.annotations(Parameters, LABELS, summary.update),
     },
 )
 
@@ -79,24 +54,13 @@ def in_edges() -> set[str]:
 
 
 def parameters(group) -> Parameters:
-    """The validated parameters of the method from their properties.
-
-    Properties hold float32; six digits take 1.5 degrees back to 1.5.
-    """
-    values = {}
-    for field in fields(Parameters):
-        value = getattr(group, field.name)
-        if field.metadata["unit"] == DEGREES:
-            value = degrees(value)
-        values[field.name] = int(value) if field.metadata["unit"] == COUNT else float(f"{value:.6g}")
-    return Parameters(**values).validate()
+    """The validated parameters of the method from their properties."""
+    return numbers.read(group, Parameters)
 
 
 def set_parameters(group, values):
     """Write a `Parameters` to its properties."""
-    for field in fields(Parameters):
-        value = getattr(values, field.name)
-        setattr(group, field.name, radians(value) if field.metadata["unit"] == DEGREES else value)
+    numbers.write(group, values)
 
 
 def _has_faces(_, item):
@@ -165,9 +129,16 @@ class FCN_PG_settings(PropertyGroup):
         poll=lambda _, item: item.fcn_result.is_result,
     )
     parameters: PointerProperty(type=FCN_PG_parameters)
+    detection: PointerProperty(type=detection_properties.FCN_PG_detection)
 
 
-CLASSES = (FCN_PG_parameters, results.FCN_PG_transformation, results.FCN_PG_result, FCN_PG_settings)
+CLASSES = (
+    *detection_properties.CLASSES,
+    FCN_PG_parameters,
+    results.FCN_PG_transformation,
+    results.FCN_PG_result,
+    FCN_PG_settings,
+)
 
 
 def register():
@@ -181,11 +152,13 @@ def register():
             bpy.utils.unregister_class(cls)
         raise
     bpy.types.Collection.fcn_result = PointerProperty(type=results.FCN_PG_result)
+    bpy.types.Object.fcn_curves = PointerProperty(type=detection_properties.FCN_PG_curves)
     bpy.types.Scene.fcn = PointerProperty(type=FCN_PG_settings)
 
 
 def unregister():
     del bpy.types.Scene.fcn
+    del bpy.types.Object.fcn_curves
     del bpy.types.Collection.fcn_result
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)

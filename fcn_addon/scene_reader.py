@@ -14,6 +14,8 @@ from ..core.graph import chains_of_edges
 
 KINDS = ("MESH", "CURVE", "CURVES")
 STRENGTH = "curvature"  # a float attribute of the points, 1 / length
+KIND = "kind"  # an int attribute of the points of detected curves, index into core.detection.KINDS
+NORMAL = "surface_normal"  # a vector attribute of theirs, the normal of the scan
 EDGE_LENGTH = "edge_length"  # a custom property of detected curves: the mean edge length of their scan
 
 
@@ -129,7 +131,9 @@ def _read_mesh(name, mesh, matrix) -> Reading:
     mesh.edges.foreach_get("vertices", edges)
     strength = _floats(mesh.attributes.get(STRENGTH), len(mesh.vertices), matrix)
     points = _world(name, points, matrix)
-    return curves_of_chains(f"object {name!r}", points, chains_of_edges(edges.reshape(-1, 2)), strength)
+    chains = chains_of_edges(edges.reshape(-1, 2))
+    surface = _surface(mesh, matrix)
+    return curves_of_chains(f"object {name!r}", points, chains, strength, **surface)
 
 
 def _read_hair(name, data, matrix) -> Reading:
@@ -158,6 +162,24 @@ def _world(name, points, matrix) -> np.ndarray:
     if len(wrong):
         raise InputError(f"object {name!r}: vertex {wrong[0]} is not finite; remove it or correct it")
     return points
+
+
+def _surface(mesh, matrix):
+    """Normals in world space and kinds of the points of detected curves, empty for other meshes."""
+    normal, kind = mesh.attributes.get(NORMAL), mesh.attributes.get(KIND)
+    for attribute, data_type in ((normal, "FLOAT_VECTOR"), (kind, "INT")):
+        if attribute is None or attribute.domain != "POINT" or attribute.data_type != data_type:
+            return {}
+    normals, kinds = np.empty(3 * len(mesh.vertices), np.float32), np.empty(len(mesh.vertices), np.int32)
+    normal.data.foreach_get("vector", normals)
+    kind.data.foreach_get("value", kinds)
+    # Normals go with the inverse transpose; a mirrored scan turns none of them inside out.
+    cofactor = np.linalg.pinv(matrix[:3, :3]).T
+    normals = normals.reshape(-1, 3).astype(float) @ cofactor.T
+    length = np.linalg.norm(normals, axis=1, keepdims=True)
+    if not np.isfinite(length).all() or not (length > 0).all():
+        return {}
+    return {"normals": normals / length, "kind": kinds.astype(np.int64)}
 
 
 def _known_edge_length(item, matrix):

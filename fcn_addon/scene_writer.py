@@ -210,13 +210,18 @@ def curve_data(name, polylines, closed):
 def mesh_data(name, curves, points):
     """A mesh of the edges of curves, with these (n, 3) points in place of their own."""
     mesh = bpy.data.meshes.new(name)
+    fill_mesh(mesh, curves, points)
+    return mesh
+
+
+def fill_mesh(mesh, curves, points):
+    """Put the edges of curves into an empty mesh, with these (n, 3) points in place of their own."""
     edges = _edges(curves)
     mesh.vertices.add(len(points))
     mesh.vertices.foreach_set("co", points.astype(np.float32).ravel())
     mesh.edges.add(len(edges))
     mesh.edges.foreach_set("vertices", edges.astype(np.int32).ravel())
     mesh.update()
-    return mesh
 
 
 def _centre(points) -> np.ndarray:

@@ -6,6 +6,7 @@ from __future__ import annotations
 import os
 import time
 import traceback
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import bpy
@@ -18,6 +19,26 @@ PATIENCE = 5.0  # seconds to wait for a thread that was asked to stop
 GRACE = 0.3  # seconds that the window waits for it; what is still at work then is left to end by itself
 
 
+@dataclass(frozen=True)
+class Doing:
+    """What a run does.
+
+    take : (context) -> the task, with arrays instead of Blender's data; raises InputError
+    seconds : (task) -> about how long it takes
+    work : (task, report) -> what comes out of it, in the thread
+    finish : (context, task, what came out) -> what was put into the scene; raises InputError
+    shares : stage -> share of the time that it takes, in the order of the stages
+    beside : (task) -> the task for a thread beside the window
+    """
+
+    take: Callable
+    seconds: Callable
+    work: Callable
+    finish: Callable
+    shares: dict
+    beside: Callable = lambda task: task
+
+
 @dataclass
 class Run:
     """A task at work.
@@ -26,7 +47,8 @@ class Run:
     asked : when it was asked to stop
     """
 
-    task: sources.Task
+    doing: Doing
+    task: object
     job: Job
     progress: progress.Progress
     timer: object = None
@@ -54,28 +76,37 @@ def current():
     return _run
 
 
-def begin(context) -> Run:
-    """Take the task from the scene and start to work on it in a thread. Raises InputError."""
+def begin(context, doing=None) -> Run:
+    """Take the task from the scene and start to work on it in a thread; it completes curves unless told otherwise.
+
+    Raises InputError.
+    """
     global _run
     if _run is not None:
         raise InputError("a run is under way; wait for it or cancel it")
-    task = sources.take(context)
-    seconds = summary.summarise(task.reading.curves, task.edge_length, task.parameters).seconds
-    work = replace(task, parameters=_leaving_room(task.parameters))
-    _run = Run(task, Job(lambda report: _work(work, report)), progress.Progress(seconds, time.monotonic()))
+    doing = doing or COMPLETE
+    task = doing.take(context)
+    ahead = progress.Progress(doing.seconds(task), time.monotonic(), doing.shares)
+    work = doing.beside(task)
+    _run = Run(doing, task, Job(lambda report: doing.work(work, report)), ahead)
     _run.job.start()
     return _run
 
 
-def _leaving_room(parameters):
+def leaving_room(parameters):
     """The parameters with one processor left to the window, unless the number of threads is set."""
     return parameters if parameters.threads else replace(parameters, threads=max(1, (os.cpu_count() or 2) - 1))
 
 
-def run_now(context, report=None):
-    """The whole run at once, without a thread; the result's collection."""
-    task = sources.take(context)
-    return finish(context, task, _work(task, report or (lambda stage, fraction: None)))
+def run_now(context, report=None, doing=None):
+    """The whole run at once, without a thread; what it put into the scene."""
+    doing = doing or COMPLETE
+    task = doing.take(context)
+    return doing.finish(context, task, doing.work(task, report or (lambda stage, fraction: None)))
+
+
+def _seconds(task) -> float:
+    return summary.summarise(task.reading.curves, task.edge_length, task.parameters).seconds
 
 
 def _work(task, report):
@@ -149,6 +180,16 @@ def _hide(context, scene, task):
         if item.name in layer.objects:
             item.select_set(False, view_layer=layer)
             item.hide_set(True, view_layer=layer)
+
+
+COMPLETE = Doing(
+    sources.take,
+    _seconds,
+    lambda task, report: _work(task, report),
+    finish,
+    progress.SHARES,
+    lambda task: replace(task, parameters=leaving_room(task.parameters)),
+)
 
 
 def cancel():

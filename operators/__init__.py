@@ -8,6 +8,8 @@ import bpy
 from .apply import FCN_OT_apply
 from .cancel import FCN_OT_cancel
 from .complete import FCN_OT_complete
+from .complete_scan import FCN_OT_complete_scan
+from .detect import FCN_OT_detect
 from .edit_template import FCN_OT_edit_template
 from .make_unique import FCN_OT_make_unique
 from .measure import FCN_OT_measure
@@ -21,6 +23,8 @@ from .select_source import FCN_OT_select_source
 from .select_transformation import FCN_OT_select_transformation
 
 CLASSES = (
+    FCN_OT_detect,
+    FCN_OT_complete_scan,
     FCN_OT_complete,
     FCN_OT_cancel,
     FCN_OT_measure,

@@ -9,11 +9,14 @@ import bpy
 
 from . import menu, overlay
 from .complete_panel import FCN_PT_advanced, FCN_PT_complete, FCN_PT_parameters
+from .detect_panel import FCN_PT_detect, FCN_PT_detect_more
 from .presets_panel import FCN_PT_presets
 from .result_panel import FCN_PT_occurrence, FCN_PT_result, FCN_UL_transformations
 
 CLASSES = (
     FCN_PT_presets,
+    FCN_PT_detect,
+    FCN_PT_detect_more,
     FCN_PT_complete,
     FCN_PT_parameters,
     FCN_PT_advanced,

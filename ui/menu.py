@@ -6,6 +6,8 @@ from __future__ import annotations
 import bpy
 
 ENTRIES = (
+    "fcn.detect",
+    "fcn.complete_scan",
     "fcn.complete",
     "fcn.cancel",
     None,

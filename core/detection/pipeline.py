@@ -150,6 +150,7 @@ def _collected(found, kinds, mesh) -> FeatureCurves:
     length = np.concatenate([c.lengths(x.points) for _, x, c in parts])
     points = np.concatenate([x.points[c.nodes] for _, x, c in parts])
     normals = np.concatenate([x.normals[c.nodes] for _, x, c in parts])
+    normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
     strength = np.concatenate([x.strength[c.nodes] for _, x, c in parts])
     mean_strength = np.concatenate([_mean(c, x, x.strength) for _, x, c in parts])
     mean_fold = np.degrees(np.concatenate([_mean(c, x, x.fold) for _, x, c in parts]))

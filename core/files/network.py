@@ -27,22 +27,20 @@ class Reading:
     edge_length: float | None = None
 
 
-def curves_of_chains(path, points, chains: Chains, strength=None) -> Reading:
+def curves_of_chains(path, points, chains: Chains, strength=None, normals=None, kind=None) -> Reading:
     """Curves of chains over shared points, with zero-length edges removed.
 
     Parameters
     ----------
     path : named in errors
     points : (n, 3) float64
-    strength : (n,) float64 or None, per point
+    strength, normals, kind : (n,), (n, 3), (n,) or None, per point
     """
-    return curves_of_samples(
-        path, points[chains.vertices], chains.offsets, chains.closed, chains.source,
-        None if strength is None else strength[chains.vertices],
-    )  # fmt: skip
+    values = (None if x is None else x[chains.vertices] for x in (strength, normals, kind))
+    return curves_of_samples(path, points[chains.vertices], chains.offsets, chains.closed, chains.source, *values)
 
 
-def curves_of_samples(path, points, offsets, closed, source, strength=None) -> Reading:
+def curves_of_samples(path, points, offsets, closed, source, strength=None, normals=None, kind=None) -> Reading:
     """Curves of consecutive points: equal neighbours become one, a curve without length goes.
 
     A closed curve that is left with two points is open.
@@ -73,12 +71,14 @@ def curves_of_samples(path, points, offsets, closed, source, strength=None) -> R
         np.asarray(closed, bool)[usable] & (lengths > 2),
         None if strength is None else np.asarray(strength, np.float64)[keep],
         np.asarray(source, np.int64)[usable],
+        None if normals is None else normals[keep],
+        None if kind is None else kind[keep],
     )
     return Reading(curves, count)
 
 
 def concatenate(readings) -> Reading:
-    """All readings as one; strength and normals stay where all have them, the edge length is the mean of those known."""
+    """All readings as one; strength and normals stay where all have them; edge lengths that are known are averaged."""
     readings = list(readings)
     if len(readings) == 1:
         return readings[0]
@@ -86,15 +86,15 @@ def concatenate(readings) -> Reading:
     counts = np.cumsum([0] + [r.count for r in readings])
     every = [r.curves for r in readings]
     known = all(c.strength is not None for c in every)
-    surface = all(c.normals is not None and c.kind is not None for c in every)
+    normals, kind = (all(getattr(c, name) is not None for c in every) for name in ("normals", "kind"))
     curves = Curves(
         np.concatenate([c.points for c in every]),
         np.concatenate([[0]] + [c.offsets[1:] + n for c, n in zip(every, sizes)]).astype(np.int64),
         np.concatenate([c.closed for c in every]),
         np.concatenate([c.strength for c in every]) if known else None,
         np.concatenate([c.source + n for c, n in zip(every, counts)]),
-        np.concatenate([c.normals for c in every]) if surface else None,
-        np.concatenate([c.kind for c in every]) if surface else None,
+        np.concatenate([c.normals for c in every]) if normals else None,
+        np.concatenate([c.kind for c in every]) if kind else None,
     )
     lengths = [(r.edge_length, len(r.curves.points)) for r in readings if r.edge_length]
     edge_length = _mean(lengths) if lengths else None

@@ -75,7 +75,9 @@ def test_one_that_never_began_can_be_waited_for(job):
 def test_progress_never_goes_back_and_ends_at_one(part):
     progress = part("fcn_addon.progress")
     assert sum(progress.SHARES.values()) == pytest.approx(1)
-    assert set(progress.SHARES) == set(progress.LABELS) == set(part("core.report").STAGES)
+    assert list(progress.SHARES) == list(part("core.report").STAGES)
+    assert list(progress.SCAN) == [*progress.DETECTION, *progress.SHARES] and set(progress.SCAN) == set(progress.LABELS)
+    assert sum(progress.DETECTION.values()) == pytest.approx(1) == sum(progress.SCAN.values())
     run, seen = progress.Progress(10, 0.0), []
     for i, stage in enumerate(part("core.report").STAGES):
         for fraction in (0.0, 0.5, 0.2, 1.0):

@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Detect the feature curves of a scan."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..fcn_addon import detecting, scan_runs, session
+from .background import Background
+
+
+class FCN_OT_detect(Background, bpy.types.Operator):
+    """Find the ridges and valleys of the active mesh, and make an edge mesh of them that is ready to be completed.
+    Works in the background, Esc stops it"""
+
+    bl_idname = "fcn.detect"
+    bl_label = "Detect Feature Curves"
+    bl_options = {"UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        why = "A run is under way" if session.running() else detecting.why_not(context)
+        if why:
+            cls.poll_message_set(why)
+        return not why
+
+    def doing(self):
+        return scan_runs.DETECT
+
+    def _finished(self, item):
+        self.report({"INFO"}, f"{item.fcn_curves.total} feature curves in {item.name!r}")
+        return {"FINISHED"}

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From a scan to curves: what to look for, the buttons, and the thresholds of curves that were detected."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..fcn_addon import detecting, detection_properties, session
+from .complete_panel import Sidebar
+
+
+class FCN_PT_detect(Sidebar, bpy.types.Panel):
+    bl_label = "Detect Curves"
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        layout.enabled = not session.running()
+        item = context.active_object
+        if item is not None and item.fcn_curves.scan:
+            _draw_thresholds(layout, item)
+        settings = context.scene.fcn.detection
+        scan = detecting.scan_of(context)
+        if scan is None:
+            layout.label(text="Select a mesh with faces", icon="INFO")
+        else:
+            faces = len(scan.data.polygons)
+            layout.label(text=f"{scan.name}: {faces:,} faces", icon="MESH_DATA", translate=False)
+            _draw_copy(layout, settings, faces)
+        layout.prop(settings, "detail")
+        row = layout.row(align=True, heading="Kinds")
+        row.prop(settings, "ridges", toggle=True)
+        row.prop(settings, "valleys", toggle=True)
+        row = layout.row(align=True, heading=" ")
+        row.prop(settings, "sharp", toggle=True)
+        row.prop(settings, "boundary", toggle=True)
+        column = layout.column(align=True)
+        column.scale_y = 1.3
+        column.operator("fcn.detect", icon="MOD_EDGESPLIT")
+        column.operator("fcn.complete_scan", icon="CURVE_DATA")
+
+
+def _draw_copy(layout, settings, faces):
+    """The choice of a smaller copy: where the scan is large, or where it is on."""
+    if faces <= detecting.LARGE and not settings.use_copy:
+        return
+    if not settings.use_copy:
+        layout.label(text="A smaller copy is quicker", icon="INFO")
+    layout.prop(settings, "use_copy")
+    if settings.use_copy:
+        layout.prop(settings, "faces")
+
+
+def _draw_thresholds(layout, item):
+    box, curves = layout.box(), item.fcn_curves
+    box.label(text=f"{curves.shown:,} of {curves.total:,} curves", icon="CURVE_DATA", translate=False)
+    column = box.column()
+    column.enabled = detecting.can_change(item)
+    column.prop(curves, "fold", slider=True)
+    column.prop(curves, "length")
+    if not detecting.can_change(item):
+        box.label(text="Detect again to change these", icon="INFO")
+
+
+class FCN_PT_detect_more(Sidebar, bpy.types.Panel):
+    bl_label = "Thresholds"
+    bl_parent_id = "FCN_PT_detect"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        layout.enabled = not session.running()
+        for name in detection_properties.ADVANCED:
+            layout.prop(context.scene.fcn.detection, name)
