@@ -20,14 +20,13 @@ class FCN_PT_detect(Sidebar, bpy.types.Panel):
         item = context.active_object
         if item is not None and item.fcn_curves.scan:
             _draw_thresholds(layout, item)
-        settings = context.scene.fcn.detection
-        scan = detecting.scan_of(context)
+        scan, settings = detecting.scan_of(context), context.scene.fcn.detection
         if scan is None:
-            layout.label(text="Select a mesh with faces", icon="INFO")
-        else:
-            faces = len(scan.data.polygons)
-            layout.label(text=f"{scan.name}: {faces:,} faces", icon="MESH_DATA", translate=False)
-            _draw_copy(layout, settings, faces)
+            layout.label(text="Select a scan, a mesh with faces", icon="INFO")
+            return
+        faces = len(scan.data.polygons)
+        layout.label(text=f"{scan.name}: {faces:,} faces", icon="MESH_DATA", translate=False)
+        _draw_copy(layout, settings, faces)
         layout.prop(settings, "detail")
         row = layout.row(align=True, heading="Kinds")
         row.prop(settings, "ridges", toggle=True)
@@ -67,6 +66,10 @@ class FCN_PT_detect_more(Sidebar, bpy.types.Panel):
     bl_label = "Thresholds"
     bl_parent_id = "FCN_PT_detect"
     bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        return detecting.scan_of(context) is not None
 
     def draw(self, context):
         layout = self.layout
