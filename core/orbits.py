@@ -12,7 +12,7 @@ from .network import CurveNetwork
 from .rigid import embed, exponential, inverse, motion, rotation_vector, screw_velocity
 from .support import Screen
 
-ROOTS, SHARE, SAME, DISTINCT, DISTINCT_ON_SURFACE = 12, 0.75, 5.0, 0.4, 0.25
+ROOTS, SHARE, SAME, DISTINCT = 12, 0.75, 5.0, 0.25
 """Roots that are tried, share of the support that a root must keep, RMS edge lengths within which motions are one,
 and the share of its support by which a motion must stand out from those beside it: less where the surface has told
 the false ones off already, for on a scan straight jambs and mouldings are most of the length."""
@@ -65,8 +65,8 @@ def detect_orbits(network: CurveNetwork, clusters: Clusters, screen: Screen, *, 
     limit = 1.2 * clusters.chance
     left = np.flatnonzero(clusters.support > limit)[:100]
     distinct = finder.screen.prominence(clusters.motions[left])
-    share = DISTINCT if screen.normals is None else DISTINCT_ON_SURFACE
-    left = left[distinct > np.maximum(share * clusters.support[left], 0.5 * clusters.chance)]
+    left = left[distinct > np.maximum(DISTINCT * clusters.support[left], 0.5 * clusters.chance)]
+    left = left[np.argsort(-clusters.support[left] * doubts(clusters.motions[left], screen), kind="stable")]
     total, found = max(1, len(left)), []
     while len(left) and len(found) < 40:
         orbit = finder.orbit(clusters.motions[left[0]], clusters.motions[left])
@@ -78,6 +78,22 @@ def detect_orbits(network: CurveNetwork, clusters: Clusters, screen: Screen, *, 
         if progress:
             progress("orbits", 1 - len(left) / total)
     return sorted(found, key=lambda o: -o.support)
+
+
+HALF_TURN = 0.6
+"""What the evidence for a half turn counts, where nothing tells the front of a thing from its back."""
+
+
+def doubts(motions, screen):
+    """(k,) float64, HALF_TURN for half turns, 1 for all else; 1 for all where the surface's outside is known.
+
+    A nearly flat, mirror-symmetric thing maps onto itself and onto its neighbours by half a turn about its own axis
+    just as by a translation. It does so in the data; as a template it would swap front and back.
+    """
+    if screen.normals is not None:
+        return np.ones(len(motions))
+    trace = np.trace(motions[:, :3, :3], axis1=1, axis2=2)
+    return np.where((trace - 1) / 2 < np.cos(np.radians(175)), HALF_TURN, 1.0)
 
 
 class _Finder:

@@ -9,7 +9,7 @@ import numpy as np
 
 from .clustering import perturbed
 from .network import CurveNetwork
-from .orbits import Orbit
+from .orbits import Orbit, doubts
 from .rigid import inverse
 from .support import Screen, in_long_stretches, slips
 
@@ -37,7 +37,7 @@ def select_model(network: CurveNetwork, orbits, screen: Screen, *, l0, t, bayes_
     affinities, hits = [], []
     for k, orbit in enumerate(orbits):
         a, h = curve_affinities(network, orbit, screen, t=t)
-        affinities.append(a)
+        affinities.append(a * doubts(orbit.generators, screen).min())
         hits.append(h)
         if progress:
             progress("selection", (k + 1) / (len(orbits) + 1))
