@@ -8,6 +8,8 @@ is the place that a motion starts from, and its occurrences are found by what th
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from .blast import feature_blast
@@ -79,8 +81,13 @@ def _main_part(network, samples, gap=12.0):
 
 def _near(network, region, motions, known):
     """Which motions put a region where one of the known motions puts it already."""
-    middle = network.points[region].mean(axis=0)
-    size = np.sqrt(((network.points[region] - middle) ** 2).sum(1).mean())
+    return share_place(network.points[region], motions, known)
+
+
+def share_place(points, motions, known):
+    """(k,) bool, which motions (k, 4, 4) put points (n, 3) where one of the known motions puts them already."""
+    middle = points.mean(axis=0)
+    size = np.sqrt(((points - middle) ** 2).sum(1).mean())
     place = motions[:, :3, :3] @ middle + motions[:, :3, 3]
     other = known[:, :3, :3] @ middle + known[:, :3, 3]
     gap = np.linalg.norm(place[:, None] - other[None], axis=2)
@@ -110,7 +117,7 @@ def fit_on(network: CurveNetwork, screen: Screen, motions, region, free, *, roun
     return motions, share
 
 
-def congruent_parts(curves, owner, *, l0, s, t, delta_l, epsilon, threads=1):
+def congruent_parts(curves, owner, surface=(None, None), *, l0, s, t, delta_l, epsilon, threads=1):
     """Groups of clean curves that rigid motions take onto each other.
 
     Three curves that keep their places to each other are one thing twice; fewer may be two parts of one thing
@@ -120,13 +127,16 @@ def congruent_parts(curves, owner, *, l0, s, t, delta_l, epsilon, threads=1):
     ----------
     curves : list of (k, 3) float64, edge lengths
     owner : (c,) int64, the template of each curve
+    surface : normals (n, 3) and kinds (n,) of all points, or None
 
     Returns
     -------
     list of groups, each a list of (motion (4, 4), members list of int): the motion takes the first member set's
     place to this one's. The first motion is the identity.
     """
-    sub = build_network(Curves.from_list(curves), edge_length=1.0, smoothing=0.0)
+    normals, kind = surface
+    lines = replace(Curves.from_list(curves), normals=normals, kind=kind)
+    sub = build_network(lines, edge_length=1.0, smoothing=0.0)
     least = max(8.0, 0.6 * l0)
     strong = np.flatnonzero(sub.lengths > least)
     if len(strong) < 2:

@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 
 from .consolidation import condense, fit_curves, trace_curves
 from .network import CurveNetwork
-from .occurrences import congruent_parts, starred
+from .occurrences import congruent_parts, share_place, starred
 from .overlay import Overlay, agreement, chance_shifts, fold_orbit, fold_poses
 from .rigid import best_rotation, motion
 
@@ -183,7 +183,7 @@ def extract_templates(network: CurveNetwork, model, clusters, screen, parameters
     return unite(network, drafts, parameters, threads=screen.threads)
 
 
-def consolidate_places(network, poses, region, transformation, free, *, epsilon, progress=None, rounds=2) -> Draft:
+def consolidate_places(network, poses, region, transformation, free, *, epsilon, progress=None, rounds=3) -> Draft:
     """Draft of a thing at given places; what some places show beside the region widens it."""
     for _ in range(rounds):
         overlay = fold_poses(network, poses, region, free, reach=12.0)
@@ -233,8 +233,13 @@ def unite(network: CurveNetwork, drafts: list[Draft], parameters, *, threads=1) 
         return drafts
     first = [np.asarray(drafts[d].poses[0]) for d, _ in items]
     lines = [drafts[d].curves[c] @ m[:3, :3].T + m[:3, 3] for (d, c), m in zip(items, first)]
+    surface = (None, None)
+    if network.normals is not None:
+        nearest = cKDTree(network.points).query(np.concatenate(lines))[1]
+        surface = network.normals[nearest], None if network.kind is None else network.kind[nearest]
     groups = congruent_parts(
-        lines, [d for d, _ in items], l0=p.l0, s=p.s, t=p.t, delta_l=p.delta_l, epsilon=epsilon, threads=threads
+        lines, [d for d, _ in items], surface, l0=p.l0, s=p.s, t=p.t, delta_l=p.delta_l, epsilon=epsilon,
+        threads=threads,
     )
     united = []
     for places in groups:
@@ -245,6 +250,7 @@ def unite(network: CurveNetwork, drafts: list[Draft], parameters, *, threads=1) 
             source = drafts[items[members[0]][0]]
             poses.append(source.poses @ np.linalg.inv(source.poses[0]) @ motion)
         poses, region = np.concatenate(poses), np.concatenate(region)
+        poses = _one_a_place(network, poses, region, epsilon)
         most = max({items[k][0] for _, members in places for k in members}, key=lambda d: len(drafts[d].poses))
         free = np.ones(len(network.points), bool)
         draft = consolidate_places(network, poses, region, drafts[most].transformation, free, epsilon=epsilon)
@@ -257,6 +263,16 @@ def unite(network: CurveNetwork, drafts: list[Draft], parameters, *, threads=1) 
     if not united:
         return drafts
     return united + [left for draft in drafts if (left := _uncovered(draft, united, 1.25 * epsilon)) is not None]
+
+
+def _one_a_place(network, poses, region, epsilon):
+    """The poses (a, 4, 4) without those that put the region (n, 3) where another one does, which shows it better."""
+    share = seen_share(network, [region], poses, radius=1.25 * epsilon)[:, 0]
+    kept = []
+    for k in np.argsort(-share, kind="stable"):
+        if not kept or not share_place(region, poses[k : k + 1], poses[kept])[0]:
+            kept.append(int(k))
+    return poses[sorted(kept)]
 
 
 def _only(draft, curves):
