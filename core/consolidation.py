@@ -71,7 +71,6 @@ def trace_curves(points, tangents, *, shortest=3.0):
         nodes = np.flatnonzero(alive)
         part = graph[nodes][:, nodes]
         number, label = connected_components(part, directed=False)
-        found = False
         for c in range(number):
             member = np.flatnonzero(label == c)
             if len(member) < 3:
@@ -87,8 +86,6 @@ def trace_curves(points, tangents, *, shortest=3.0):
             alive[path] = False
             if length >= shortest:
                 curves.append(points[path])
-                found = True
-        del found
     return sorted(curves, key=lambda p: -len(p))
 
 
@@ -157,12 +154,11 @@ def _longest_shortest_path(graph):
     start = 0
     for _ in range(2):
         distance, before = dijkstra(graph, indices=start, return_predecessors=True)
-        start, end = int(np.argmax(np.where(np.isfinite(distance), distance, -1))), start
+        start = int(np.argmax(np.where(np.isfinite(distance), distance, -1)))
     path, at = [start], start
     while before[at] >= 0:
         at = before[at]
         path.append(at)
-    del end
     return np.array(path)
 
 

@@ -117,7 +117,7 @@ def join_images(paths, images, *, gap=8.0, angle=35.0):
         cost = continuation_cost(tip[a], way[a], [arms[k] for k in a], tip[b] @ r.T + t, way[b] @ r.T, moved, angle)
         rows += [(c, int(i), int(j), m) for c, i, j in zip(cost, a, b) if np.isfinite(c)]
     partner, power = np.full(len(tip), -1), {}
-    for cost, a, b, m in sorted(rows):
+    for _, a, b, m in sorted(rows):
         if partner[a] < 0 and partner[b] < 0 and a != b:
             partner[a], partner[b] = b, a
             power[a], power[b] = images[m], np.linalg.inv(images[m])
@@ -127,7 +127,7 @@ def join_images(paths, images, *, gap=8.0, angle=35.0):
     for i in range(len(paths)):
         if used[i]:
             continue
-        chain, closed = _chain(i, partner)
+        chain, _ = _chain(i, partner)
         used[[end // 2 for end in chain]] = True
         motion, parts = np.eye(4), []
         for k, end in enumerate(chain):
@@ -136,7 +136,6 @@ def join_images(paths, images, *, gap=8.0, angle=35.0):
             if k + 1 < len(chain):
                 motion = motion @ power[end ^ 1]
         out.append(np.concatenate(parts))
-        del closed
     return out
 
 

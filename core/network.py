@@ -142,7 +142,7 @@ def _check(curves: Curves, edge_length: float) -> None:
     if not total > 0:
         raise InputError("no curve has a length: give curves of at least two different points")
     if total / edge_length > 5e7:
-        raise InputError(f"the edge length {edge_length:g} cuts the curves into over 50 million samples: give a longer one")
+        raise InputError(f"the edge length {edge_length:g} makes over 50 million samples: give a longer one")
 
 
 def _segments(curves: Curves):
@@ -186,7 +186,6 @@ def _average_strength(curves: Curves) -> np.ndarray:
 def _resample(curves: Curves, step: float):
     """Points evenly along each curve about `step` apart; closed curves do not repeat the first point."""
     _, length = _segments(curves)
-    n = len(curves)
     run = np.concatenate([[0.0], np.cumsum(length)])
     start, end = run[curves.offsets[:-1]], run[curves.offsets[1:]]
     total = end - start
@@ -206,7 +205,6 @@ def _resample(curves: Curves, step: float):
     with np.errstate(invalid="ignore", divide="ignore"):
         u = np.clip(np.nan_to_num((position - run[i]) / length[i]), 0, 1)[:, None]
     points = (1 - u) * curves.points[i] + u * curves.points[nxt]
-    assert n == len(total)
     return points, offsets.astype(np.int64), closed[kept], kept
 
 

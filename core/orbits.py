@@ -14,8 +14,8 @@ from .support import Screen
 
 ROOTS, SHARE, SAME, DISTINCT = 12, 0.75, 5.0, 0.25
 """Roots that are tried, share of the support that a root must keep, RMS edge lengths within which motions are one,
-and the share of its support by which a motion must stand out from those beside it: less where the surface has told
-the false ones off already, for on a scan straight jambs and mouldings are most of the length."""
+and the share of its support by which a motion must stand out from those beside it (a quarter: on a scan straight
+jambs and mouldings, which support slides as well, are most of the length)."""
 
 
 @dataclass(frozen=True)

@@ -153,7 +153,8 @@ def best_cut(u, weight, follows, bins=120):
     first = np.flatnonzero(follows)
     for axis in range(u.shape[1]):
         a, b = u[first, axis], u[first + 1, axis]
-        low, high = np.ceil(np.minimum(a, b) * bins).astype(np.int64), np.floor(np.maximum(a, b) * bins).astype(np.int64)
+        low = np.ceil(np.minimum(a, b) * bins).astype(np.int64)
+        high = np.floor(np.maximum(a, b) * bins).astype(np.int64)
         use = (high >= low) & (high - low < bins)
         amount = np.bincount(low[use] % bins, weight[first][use], minlength=bins)
         amount -= np.bincount((high[use] + 1) % bins, weight[first][use], minlength=bins)

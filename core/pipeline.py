@@ -44,8 +44,8 @@ def complete(curves: Curves, *, edge_length=None, parameters: Parameters | None 
     seconds, clock = {}, _Clock(progress)
     network = build_network(curves, edge_length=edge_length, smoothing=p.smoothing)
     strong = strong_curves(network, l0=p.l0, strong_curvature=p.strong_curvature)
-    if not len(strong):
-        longest = network.lengths.max()
+    longest = network.lengths.max()
+    if not longest > p.l0:
         raise InputError(
             f"no curve is strong: none is longer than l0 = {p.l0:g} edge lengths, the longest has {longest:.1f}; "
             f"try l0 = {max(4, int(0.5 * longest))}, or check the edge length {edge_length:g}"

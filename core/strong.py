@@ -17,13 +17,14 @@ def mean_strength(network: CurveNetwork) -> float:
 
 
 def strong_curves(network: CurveNetwork, *, l0, strong_curvature):
-    """(k,) int64, curves that take part in Feature BLAST: longer than l0, or of high average curvature.
+    """(k,) int64, curves of strong evidence: longer than l0, or of high average curvature.
 
-    A curve shorter than l0 holds no stretch of length l0, so that only its strength could carry it; such curves
-    take part in the later stages, which look at all curves.
+    A curve that is shorter than l0 holds no stretch of that length for Feature BLAST, however strong it is; like all
+    curves it takes part in the later stages.
     """
-    del strong_curvature
-    return np.flatnonzero(network.lengths > l0)
+    with np.errstate(invalid="ignore"):
+        curved = network.strength > strong_curvature * mean_strength(network)
+    return np.flatnonzero((network.lengths > l0) | curved)
 
 
 def keeps_alone(network: CurveNetwork, *, l0, keep_length, keep_curvature):

@@ -244,11 +244,11 @@ def unite(network: CurveNetwork, drafts: list[Draft], parameters, *, threads=1) 
     united = []
     for places in groups:
         poses, region = [], []
-        for motion, members in places:
-            back = np.linalg.inv(motion)
+        for place, members in places:
+            back = np.linalg.inv(place)
             region += [lines[k] @ back[:3, :3].T + back[:3, 3] for k in members]
             source = drafts[items[members[0]][0]]
-            poses.append(source.poses @ np.linalg.inv(source.poses[0]) @ motion)
+            poses.append(source.poses @ np.linalg.inv(source.poses[0]) @ place)
         poses, region = np.concatenate(poses), np.concatenate(region)
         poses = _one_a_place(network, poses, region, epsilon)
         most = max({items[k][0] for _, members in places for k in members}, key=lambda d: len(drafts[d].poses))

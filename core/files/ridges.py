@@ -22,7 +22,6 @@ from ..graph import chains_of_edges
 from .network import Reading, curves_of_chains, curves_of_samples
 from .source import load_lines, parse_numbers
 
-
 CONVEX = (4, 5, 6)
 """CGAL's types of lines along convex edges; 1 to 3 run along concave ones."""
 
