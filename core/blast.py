@@ -193,7 +193,11 @@ def _agree(a, b, ga, gb, na, nb, size, s, work):
     return agree
 
 
-_COFACTORS = ((4, 8, 5, 7), (5, 6, 3, 8), (3, 7, 4, 6), (7, 2, 8, 1), (8, 0, 6, 2), (6, 1, 7, 0), (1, 5, 2, 4), (2, 3, 0, 5), (0, 4, 1, 3))  # fmt: skip
+_COFACTORS = (
+    (4, 8, 5, 7), (5, 6, 3, 8), (3, 7, 4, 6), (7, 2, 8, 1), (8, 0, 6, 2),
+    (6, 1, 7, 0), (1, 5, 2, 4), (2, 3, 0, 5), (0, 4, 1, 3),
+)  # fmt: skip
+"""Each cofactor of a 3 x 3 matrix as m[p] m[q] - m[u] m[v], row by row."""
 
 
 class _Side:
