@@ -51,10 +51,16 @@ def best_rotation(covariance):
     covariance : (n, 3, 3) float64. Returns (n, 3, 3) rotations and (n, 3) singular values (Kabsch 1976).
     """
     u, s, vt = np.linalg.svd(covariance)
+    return proper(u, vt), s
+
+
+def proper(u, vt):
+    """Rotations u d vt (n, 3, 3) of a singular value decomposition, d flipping the last axis where needed."""
     sign = np.sign(np.linalg.det(u) * np.linalg.det(vt))
     sign[sign == 0] = 1
-    u = u * np.stack([np.ones_like(sign), np.ones_like(sign), sign], axis=-1)[:, None, :]
-    return u @ vt, s
+    flipped = u.copy()
+    flipped[:, :, 2] *= sign[:, None]
+    return flipped @ vt
 
 
 def rotation_between(a, b):

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .rigid import best_rotation, largest_overlap, motion, rotation_between
+from .rigid import largest_overlap, motion, proper, rotation_between
 
 
 class Stretches:
@@ -27,7 +27,8 @@ class Stretches:
         """Put the stretches `which` at other places."""
         self.start_a[which], self.start_b[which], self.count[which] = start_a, start_b, count
         order = which[np.argsort(self.count[which], kind="stable")]
-        for part in np.array_split(order, max(1, int(self.count[which].sum() // 500_000))):
+        # Parts that fit the processor's cache, stretches of like length together.
+        for part in np.array_split(order, max(1, int(self.count[which].sum() // 50_000))):
             if len(part):
                 sums = self._sums(part, np.zeros(len(part), np.int64), self.count[part])
                 for total, new in zip((self.sum_a, self.sum_b, self.sum_ba, self.square_a, self.square_b), sums):
@@ -43,9 +44,9 @@ class Stretches:
         sums_b = t.running[low_b + many] - t.running[low_b]
         k = np.arange(max(1, int(many.max(initial=0))))
         inside = k < many[:, None]
-        last = len(t.unrolled) - 1
-        pa = t.unrolled[np.minimum(from_a[:, None] + k, last)] * inside[:, :, None]
-        pb = t.unrolled[np.clip(from_b[:, None] + d[:, None] * k, 0, last)]
+        pa = np.take(t.unrolled, from_a[:, None] + k, axis=0, mode="clip")
+        pa *= inside[:, :, None]
+        pb = np.take(t.unrolled, from_b[:, None] + d[:, None] * k, axis=0, mode="clip")
         return sums_a[:, :3], sums_b[:, :3], np.swapaxes(pb, 1, 2) @ pa, sums_a[:, 3], sums_b[:, 3]
 
     def _residual(self, n, sum_a, sum_b, sum_ba, square_a, square_b):
@@ -105,11 +106,10 @@ class Stretches:
         n = self.count[which].astype(float)
         mean_a, mean_b = self.sum_a[which] / n[:, None], self.sum_b[which] / n[:, None]
         cross = self.sum_ba[which] / n[:, None, None] - mean_b[:, :, None] * mean_a[:, None, :]
-        rotation, sigma = best_rotation(cross)
+        u, sigma, vt = np.linalg.svd(cross)
+        rotation = proper(u, vt)
         width = np.maximum(sigma[:, 1], 0)
         straight = width < 1.0
-        if straight.any():
-            u, _, vt = np.linalg.svd(cross[straight])
-            rotation[straight] = rotation_between(vt[:, 0, :], u[:, :, 0])
+        rotation[straight] = rotation_between(vt[straight, 0, :], u[straight, :, 0])
         translation = mean_b - np.einsum("kij,kj->ki", rotation, mean_a)
         return motion(rotation, translation), width / (width + 4.0)
