@@ -140,7 +140,6 @@ class Screen:
         self.curve = network.curve_of[pick]
         self.weight = network.weights[pick] * stride
         self.least = max(1, int(np.ceil(stretch / stride)))
-        self._moments = self.homogeneous.astype(float).T @ self.homogeneous / len(pick)
         self.radius, self.cosine, self.still, self.threads = radius, cosine, still, threads
 
     def hits(self, motions):
@@ -232,16 +231,31 @@ class Screen:
         out = np.zeros(len(motions))
         if not len(worth):
             return out
-        left = self.score(self._beside(motions[worth], off[0]).reshape(-1, 4, 4)).reshape(-1, 8)
+        way = self._way_of_supported(motions[worth])
+        left = self.score(self._beside(motions[worth], off[0], way).reshape(-1, 4, 4)).reshape(-1, 8)
         again = np.flatnonzero(left.max(axis=1) > 0.5 * support[worth])
         if len(again):
-            nearer = self.score(self._beside(motions[worth[again]], off[1]).reshape(-1, 4, 4)).reshape(-1, 8)
-            left[again] = np.minimum(left[again], nearer)
+            nearer = self._beside(motions[worth[again]], off[1], way[again])
+            left[again] = np.minimum(left[again], self.score(nearer.reshape(-1, 4, 4)).reshape(-1, 8))
         out[worth] = support[worth] - left.max(axis=1)
         return out
 
-    def _beside(self, motions, off):
-        """(h, 8, 4, 4), motions `off` edge lengths beside the given ones."""
+    def _way_of_supported(self, motions):
+        """(h,) float64, RMS way of the samples that each motion is supported by."""
+
+        def part(m):
+            i, k, _ = self.hits(m)
+            good = in_long_stretches(i, k, self.curve, self.least)
+            i, k = i[good], k[good]
+            good = self._specific(m, i, k)
+            i, k = i[good], k[good]
+            amount = np.bincount(i, minlength=len(m))
+            return np.sqrt(np.bincount(i, self._travel(m, i, k), minlength=len(m)) / np.maximum(amount, 1))
+
+        return np.concatenate(self._chunks(motions, part, None))
+
+    def _beside(self, motions, off, size):
+        """(h, 8, 4, 4), motions `off` edge lengths beside the given ones, which move their samples by `size` (h,)."""
         _, axes = np.linalg.eigh((self.tangents * self.weight[:, None]).T @ self.tangents)
         twists = np.concatenate(screw_velocity(motions), axis=1)
         angle = np.linalg.norm(twists[:, :3], axis=1)
@@ -250,8 +264,6 @@ class Screen:
         length = np.linalg.norm(way, axis=2, keepdims=True)
         # A direction nearly along the axis has no way left of its own; the other two then stand for it.
         way = np.where(length > 0.5, way / np.maximum(length, 1e-12), np.roll(way, 1, axis=1))
-        move = (motions - np.eye(4))[:, :3, :]
-        size = np.sqrt(np.einsum("hij,jk,hik->h", move, self._moments, move))
         beside = np.repeat(motions[:, None], 8, axis=1)
         beside[:, 0:3, :3, 3] += off * way
         beside[:, 3:6, :3, 3] -= off * way

@@ -66,7 +66,6 @@ def test_the_windows_are_a_grid(completion):
     assert (cKDTree(built).query(places)[0] < 3 * EDGE_LENGTH).mean() > 0.9
 
 
-@pytest.mark.xfail(reason="the rosette's step is not always found among the half turns that map it", strict=False)
 def test_the_rosette_is_a_rotation(completion):
     turns = [t for t in completion.transformations if t.kind == "rotation"]
     angles = [naive.angle_of(t.generators[0][:3, :3]) for t in turns]
