@@ -377,9 +377,10 @@ def test_the_strokes_that_are_drawn(bpy, part, made):
 
 def test_every_property_and_operator_has_words(bpy, part):
     group = type(bpy.context.scene.fcn.parameters).bl_rna
-    for owner in (group, type(bpy.context.scene.fcn).bl_rna):
+    detection = type(bpy.context.scene.fcn.detection).bl_rna
+    for owner in (group, detection, type(bpy.context.scene.fcn).bl_rna):
         for prop in owner.properties:
-            if prop.identifier not in {"rna_type", "name", "parameters"}:
+            if prop.identifier not in {"rna_type", "name", "parameters", "detection"}:
                 assert prop.name and prop.description, prop.identifier
     for name in dir(bpy.ops.fcn):
         kind = getattr(bpy.ops.fcn, name).get_rna_type()
