@@ -52,7 +52,7 @@ def cluster_votes(
     n = len(network.points)
     if not len(votes):
         return Clusters(np.zeros((0, 4, 4)), np.zeros(0), chance_support(screen, np.zeros((0, 4, 4))))
-    wide = {"radius": 2 * screen.radius, "threads": screen.threads}
+    wide = {"radius": 2 * screen.radius, "threads": screen.threads, "tick": screen.tick}
     motions = votes.motions
     if len(motions) > SURVIVORS:
         probe = Screen(network, stride=max(1, n // PROBES), stretch=0, **wide)

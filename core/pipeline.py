@@ -58,7 +58,7 @@ def complete(curves: Curves, *, edge_length=None, parameters: Parameters | None 
     with clock.stage("voting", seconds):
         votes = vote(network, matches, bin_translation=p.bin_translation, bin_rotation=p.bin_rotation)
     with clock.stage("clustering", seconds):
-        screen = Screen(network, radius=p.epsilon, threads=threads)
+        screen = Screen(network, radius=p.epsilon, threads=threads, tick=clock.tick)
         clusters = cluster_votes(
             network, votes, screen, cluster_translation=p.cluster_translation, cluster_rotation=p.cluster_rotation,
             progress=clock.progress,
@@ -84,7 +84,15 @@ class _Clock:
     """Times the stages and reports the beginning and end of each."""
 
     def __init__(self, progress):
-        self.progress = progress or (lambda stage, fraction: None)
+        self._report, self._last = progress or (lambda stage, fraction: None), ("blast", 0.0)
+
+    def progress(self, stage, fraction):
+        self._last = (stage, fraction)
+        self._report(stage, fraction)
+
+    def tick(self):
+        """Report where things stand once more, so that the run can be stopped between two steps."""
+        self._report(*self._last)
 
     def stage(self, name, seconds):
         return _Stage(self, name, seconds)

@@ -123,9 +123,13 @@ class Screen:
     cosine : least cosine between the tangents
     stretch : shortest supported stretch
     still : a sample that moves less is no recurrence
+    tick : called between blocks of work; may raise Cancelled
     """
 
-    def __init__(self, network: CurveNetwork, *, radius, stride=1, cosine=0.8, stretch=8.0, still=4.0, threads=1):
+    def __init__(
+        self, network: CurveNetwork, *, radius, stride=1, cosine=0.8, stretch=8.0, still=4.0, threads=1, tick=None
+    ):
+        self.tick = tick or (lambda: None)
         self.field = NeighbourField(network.points, radius)
         pick = np.arange(0, len(network.points), stride)
         self.points, self.tangents = network.points[pick], network.tangents[pick]
@@ -194,7 +198,17 @@ class Screen:
         chunk = chunk or max(1, 100_000 // len(self.points))
         parts = [motions[i : i + chunk] for i in range(0, len(motions), chunk)]
         with ThreadPoolExecutor(max(1, self.threads)) as pool:
-            return list(pool.map(function, parts))
+            waiting = [pool.submit(function, part) for part in parts]
+            try:
+                done = []
+                for one in waiting:
+                    done.append(one.result())
+                    self.tick()
+            except BaseException:
+                for one in waiting:
+                    one.cancel()
+                raise
+        return done
 
     def score(self, motions, *, beside=None, chunk=None):
         """(h,) float64, supported length of each motion, without the curves that slip along it.
