@@ -5,12 +5,19 @@ from __future__ import annotations
 
 import bpy
 
-from ..fcn_addon import detecting, detection_properties, session
+from ..fcn_addon import detecting, detection_properties, results, session
 from .complete_panel import Sidebar
 
 
 class FCN_PT_detect(Sidebar, bpy.types.Panel):
     bl_label = "Detect Curves"
+
+    @classmethod
+    def poll(cls, context):
+        """Beside a result it leaves the room to that, unless there is something to do for it."""
+        item = context.active_object
+        chosen = detecting.scan_of(context) or (item is not None and item.select_get() and item.fcn_curves.scan)
+        return bool(chosen) or results.active(context.scene) is None
 
     def draw(self, context):
         layout = self.layout
@@ -18,7 +25,7 @@ class FCN_PT_detect(Sidebar, bpy.types.Panel):
         layout.use_property_decorate = False
         layout.enabled = not session.running()
         item = context.active_object
-        if item is not None and item.fcn_curves.scan:
+        if item is not None and item.select_get() and item.fcn_curves.scan:
             _draw_thresholds(layout, item)
         scan, settings = detecting.scan_of(context), context.scene.fcn.detection
         if scan is None:
