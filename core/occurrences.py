@@ -11,6 +11,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
 
 from .blast import feature_blast
 from .clustering import cluster_votes
@@ -66,10 +69,6 @@ def starred(network: CurveNetwork, seed, pool, screen: Screen, free):
 
 def _main_part(network, samples, gap=12.0):
     """The largest group of samples that lie within `gap` of each other."""
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-    from scipy.spatial import cKDTree
-
     if not len(samples):
         return samples
     pair = cKDTree(network.points[samples]).query_pairs(gap, output_type="ndarray")

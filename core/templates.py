@@ -17,6 +17,9 @@ from .rigid import best_rotation, motion
 CHANCE_SHARE = 0.1
 """Largest share of the agreeing samples that chance may explain."""
 
+CHANCE_SEEN = 0.15
+"""Share of a curve that clutter seems to show at a place where the curve does not occur."""
+
 
 @dataclass(frozen=True)
 class Draft:
@@ -303,9 +306,6 @@ def _uncovered(draft, others, radius):
     if not len(keep):
         return None
     return _only(draft, keep)
-
-
-CHANCE_SEEN = 0.15
 
 
 def explained_samples(network: CurveNetwork, draft: Draft, *, radius, cosine=0.7):
