@@ -52,9 +52,8 @@ def curves_of(scene) -> Curves:
 
 def completed(scene, *, edge_length=EDGE_LENGTH) -> tuple[dict, float]:
     """The report of the whole method on a scene and the wall clock seconds it took."""
-    from core.pipeline import complete
-
     from core.parameters import Parameters
+    from core.pipeline import complete
     from core.report import report
 
     curves, parameters = curves_of(scene), Parameters()
