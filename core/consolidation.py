@@ -7,14 +7,17 @@ repeated measurements of one curve; the longest shortest paths then run through 
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components, dijkstra
 from scipy.spatial import cKDTree
 
-from .linking import join_images, join_paths, split_at_corners
+from .linking import bend_of_ends, continuations, join_images, join_paths, split_at_corners
 from .network import resample_polyline, smooth_polyline
+from .traversal import find_passages, part_shared
 
 SPACING, LINK, SHORTEST = 0.7, 2.6, 5.0
 """Distance of the nodes, longest edge between them, shortest curve that is kept; edge lengths."""
@@ -162,8 +165,12 @@ def _longest_shortest_path(graph):
     return np.array(path)
 
 
-def fit_curves(paths, points, tangents, weight, *, images=(), radius=1.5, smoothing=1.0):
+def fit_curves(paths, points, tangents, weight, run, *, trails=None, images=(), radius=1.5, smoothing=1.0):
     """Smooth curves along paths through the points, one edge length between their samples.
+
+    run : (n,) int64, the same for points that follow each other on one input curve, which are in its order
+    trails : points, tangents and runs of all input curves of the cell, which tell what continues what; None takes
+        the points that the curves are fitted to
 
     Pieces that continue each other are joined first, then those that continue each other in a neighbouring cell,
     which `images` (p, 4, 4) lead to; a path whose ends meet is closed.
@@ -171,50 +178,85 @@ def fit_curves(paths, points, tangents, weight, *, images=(), radius=1.5, smooth
     """
     curves, closed = [], []
     pieces = [piece for path in paths for piece in split_at_corners(_even(path))]
-    joined = _join_across(pieces)
+    joined = _join_across(pieces, trails or (points, tangents, run))
     if len(images):
         whole = join_images([p for p, ring in joined if not ring], images)
         joined = join_paths(whole) + [(p, ring) for p, ring in joined if ring]
-        points, tangents, weight = _with_images(points, tangents, weight, images)
-    for path, ring in joined:
-        if np.linalg.norm(np.diff(path, axis=0), axis=1).sum() < SHORTEST:
-            continue
-        line = resample_polyline(path, 1.0, ring)
+        points, tangents, weight, run = _with_images(points, tangents, weight, run, images)
+    joined = [
+        (resample_polyline(path, 1.0, ring), ring)
+        for path, ring in joined
+        if np.linalg.norm(np.diff(path, axis=0), axis=1).sum() >= SHORTEST
+    ]
+    share = own_points([smooth_polyline(line, smoothing, ring) for line, ring in joined], points, tangents, run,
+                       radius=radius + 0.5)  # fmt: skip
+    for (line, ring), own in zip(joined, share):
         line = smooth_polyline(line, smoothing, ring)
         for _ in range(2):
-            line = _pull(line, points, tangents, weight, radius, ring)
+            line = _pull(line, points[own], tangents[own], weight[own], radius, ring)
         line = resample_polyline(smooth_polyline(line, smoothing, ring), 1.0, ring)
         curves.append(line)
         closed.append(ring)
     return curves, closed
 
 
-def _join_across(pieces, *, short=10.0, gap=14.0, cover=2.5):
+def own_points(lines, points, tangents, run, *, radius, cosine=0.75, most=0.8):
+    """For each line, the points (k,) int64 along it that belong to it.
+
+    Where lines share a stretch, a point belongs to those that its run follows for the longest way.
+    """
+    if not lines:
+        return []
+    near = np.zeros((len(lines), len(points)), bool)
+    for k, line in enumerate(lines):
+        way = np.gradient(line, axis=0)
+        way /= np.maximum(np.linalg.norm(way, axis=1), 1e-12)[:, None]
+        distance, at = cKDTree(line).query(points, distance_upper_bound=radius)
+        found = np.flatnonzero(np.isfinite(distance))
+        near[k, found] = np.abs((way[at[found]] * tangents[found]).sum(1)) > cosine
+    followed = np.stack([np.bincount(run, row, minlength=run.max() + 1) for row in near])[:, run]
+    best = np.where(near, followed, 0).max(axis=0)
+    return [np.flatnonzero(row & (way >= most * best)) for row, way in zip(near, followed)]
+
+
+def _join_across(pieces, trails, *, short=10.0, gap=14.0, cover=2.5):
     """Pieces joined; where curves cross or touch, arms are joined over the short piece that they share."""
+    passages = find_passages(pieces, *trails)
+    pieces, forced = part_shared(pieces, passages, continuations(pieces), partial(bend_of_ends, pieces))
     size = np.array([np.linalg.norm(np.diff(p, axis=0), axis=1).sum() for p in pieces])
     tips = np.array([[p[0], p[-1]] for p in pieces]).reshape(-1, 3)
     pair = cKDTree(tips).query_pairs(5.0, output_type="ndarray").reshape(-1, 2)
     pair = pair[pair[:, 0] // 2 != pair[:, 1] // 2]
     meets = np.bincount(pair.ravel(), minlength=len(tips)).reshape(-1, 2)
     shared = (size < short) & (meets >= 2).all(axis=1)
+    shared[forced.ravel() // 2] = False
     if not shared.any():
-        return join_paths(pieces)
-    long = join_paths([p for p, s in zip(pieces, shared) if not s], gap=gap)
+        return join_paths(pieces, passed=passages.pairs, forced=forced)
+    kept = np.flatnonzero(~shared)
+    place = np.full(2 * len(pieces), -1)
+    place[2 * kept], place[2 * kept + 1] = 2 * np.arange(len(kept)), 2 * np.arange(len(kept)) + 1
+    long = [pieces[k] for k in kept]
+    passed = find_passages(long, *trails).pairs
+    long = join_paths(long, gap=gap, passed=passed, forced=place[forced])
     # A shared piece that no arm was joined over is a piece like any other.
     shown = cKDTree(np.concatenate([_dense(p, ring) for p, ring in long])) if long else None
     left = [p for p, s in zip(pieces, shared) if s and (shown is None or shown.query(p)[0].max() > cover)]
-    return join_paths([p for p, ring in long if not ring] + left) + [(p, ring) for p, ring in long if ring]
+    open_ = [p for p, ring in long if not ring] + left
+    passed = find_passages(open_, *trails).pairs
+    return join_paths(open_, passed=passed) + [(p, ring) for p, ring in long if ring]
 
 
 def _dense(path, ring):
     return resample_polyline(path, 1.0, ring)
 
 
-def _with_images(points, tangents, weight, images):
+def _with_images(points, tangents, weight, run, images):
     """Points with their images in the neighbouring cells, for curves that reach into those."""
     moved = [points @ m[:3, :3].T + m[:3, 3] for m in images]
     turned = [tangents @ m[:3, :3].T for m in images]
-    return np.concatenate([points, *moved]), np.concatenate([tangents, *turned]), np.tile(weight, len(images) + 1)
+    many = len(images) + 1
+    runs = (run + np.arange(many)[:, None] * (run.max() + 1)).ravel()
+    return np.concatenate([points, *moved]), np.concatenate([tangents, *turned]), np.tile(weight, many), runs
 
 
 def _even(path):

@@ -7,13 +7,16 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 
-def join_paths(paths, *, gap=6.0, angle=35.0):
+def join_paths(paths, *, gap=6.0, angle=35.0, passed=None, forced=()):
     """Join open paths end to end.
 
     Parameters
     ----------
     paths : list of (k, 3) float64, edge lengths
     gap : longest gap; angle : largest angle, in degrees, between an end's direction and the gap or the other end
+    passed : (2 p, 2 p) int64 or None, how many curves are known to lead from one end to the other
+        (`traversal.Passages.pairs`, which may be of fewer paths, the first ones)
+    forced : (k, 2) int64, ends that are joined before all others
 
     Returns
     -------
@@ -25,7 +28,7 @@ def join_paths(paths, *, gap=6.0, angle=35.0):
     tip = np.concatenate([[p[0], p[-1]] for p in paths])
     way = np.concatenate([[_outward(p), _outward(p[::-1])] for p in paths])
     arms = [arm for p in paths for arm in (p[:ARM], p[::-1][:ARM])]
-    partner = match_ends(tip, way, arms, [len(p) for p in paths], gap, angle)
+    partner = match_ends(tip, way, arms, [len(p) for p in paths], gap, angle, passed, forced)
     out, used = [], np.zeros(len(paths), bool)
     for i in range(len(paths)):
         if used[i]:
@@ -48,8 +51,10 @@ def _outward(path):
     return v / max(np.linalg.norm(v), 1e-12)
 
 
-def match_ends(tip, way, arms, size, gap, angle):
+def match_ends(tip, way, arms, size, gap, angle, passed=None, forced=()):
     """(e,) int64, the end that each end is joined to, or -1; a matching that takes the smoothest pairs first.
+
+    Ends that curves are known to lead between come before all others, and may meet at any angle.
 
     tip, way : (e, 3) float64, ends and the directions out of them; arms : e arrays (k, 3), samples from each end
     inwards; size : samples of each path, whose ends are 2 i and 2 i + 1
@@ -61,9 +66,16 @@ def match_ends(tip, way, arms, size, gap, angle):
     fits = (i // 2 != j // 2) | (np.asarray(size)[i // 2] > 4 * np.maximum(length, 2))
     i, j = i[fits], j[fits]
     cost = continuation_cost(tip[i], way[i], [arms[k] for k in i], tip[j], way[j], [arms[k] for k in j], angle)
+    known = np.zeros(len(i), np.int64)
+    if passed is not None:
+        counted = (i < len(passed)) & (j < len(passed))
+        known[counted] = passed[i[counted], j[counted]]
+        known[known < PASSED] = 0
     partner = np.full(len(tip), -1)
-    for k in np.lexsort((j, i, cost)):
-        if np.isfinite(cost[k]) and partner[i[k]] < 0 and partner[j[k]] < 0:
+    for a, b in forced:
+        partner[a], partner[b] = b, a
+    for k in np.lexsort((j, i, cost, -known)):
+        if (known[k] or np.isfinite(cost[k])) and partner[i[k]] < 0 and partner[j[k]] < 0:
             partner[i[k]], partner[j[k]] = j[k], i[k]
     return partner
 
@@ -84,6 +96,23 @@ def continuation_cost(tip_a, way_a, arms_a, tip_b, way_b, arms_b, angle):
     for k in np.flatnonzero(fits):
         cost[k] = length[k] / 4 + 4 * bend(arms_a[k], arms_b[k])
     return cost
+
+
+def continuations(paths, *, gap=6.0, angle=35.0):
+    """(k, 2) int64, pairs of ends of different paths that continue each other; as in `join_paths`."""
+    tip = np.array([end for p in paths for end in (p[0], p[-1])]).reshape(-1, 3)
+    way = np.array([_outward(p[::step]) for p in paths for step in (1, -1)]).reshape(-1, 3)
+    arms = [arm for p in paths for arm in (p[:ARM], p[::-1][:ARM])]
+    pair = cKDTree(tip).query_pairs(gap, output_type="ndarray").reshape(-1, 2)
+    pair = pair[pair[:, 0] // 2 != pair[:, 1] // 2]
+    i, j = pair.T
+    cost = continuation_cost(tip[i], way[i], [arms[k] for k in i], tip[j], way[j], [arms[k] for k in j], angle)
+    return pair[np.isfinite(cost)]
+
+
+def bend_of_ends(paths, a, b):
+    """How badly end a continues end b, `bend` of their arms; the ends of path i are 2 i and 2 i + 1."""
+    return bend(*(paths[e // 2][:: 1 - 2 * (e % 2)][:ARM] for e in (a, b)))
 
 
 def join_images(paths, images, *, gap=8.0, angle=35.0):
@@ -138,6 +167,9 @@ def join_images(paths, images, *, gap=8.0, angle=35.0):
         out.append(np.concatenate(parts))
     return out
 
+
+PASSED = 2
+"""Fewest curves that must lead from one end to another for both to be known as one curve."""
 
 ARM = 9
 """Samples of an end that say how it goes on."""

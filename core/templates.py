@@ -59,7 +59,10 @@ def consolidate(
     if not keep.any():
         return empty
     points, tangents = condense(mean[keep], overlay.tangents[keep], weight[keep], radius=1.0 * epsilon)
-    curves, closed = fit_curves(trace_curves(points, tangents), mean[keep], tangents, weight[keep], images=images)
+    curves, closed = fit_curves(
+        trace_curves(points, tangents), mean[keep], tangents, weight[keep], overlay.run[keep],
+        trails=(mean, overlay.tangents, overlay.run), images=images,
+    )  # fmt: skip
     if not curves:
         return empty
     evidence = seen_share(network, curves, overlay.poses, radius=1.25 * epsilon)

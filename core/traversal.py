@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which pieces continue each other, by the curves that run over both.
+
+Where curves cross at a flat angle, meet or turn a corner, geometry alone does not say which arm goes on as which.
+The input does: each of its curves that passes the place runs from one arm to the other, in every occurrence that
+shows it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import permutations
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+STEADY, PASSAGE, NEAR_END = 4, 16, 8.0
+"""Samples in a row that put a run on a piece, most samples between two pieces, and edge lengths from the end of a
+piece within which a run must leave it."""
+
+
+@dataclass(frozen=True)
+class Passages:
+    """What runs over pieces tell of their ends; the ends of piece i are 2 i (its first sample) and 2 i + 1.
+
+    pairs : (2 p, 2 p) int64, symmetric, runs that lead from one end to another
+    routes : (k, 3) int64, (a, b, runs): runs that come from end a, pass one piece and go on at end b, a < b
+    through : (k,) int64, the piece that each route passes
+    """
+
+    pairs: np.ndarray
+    routes: np.ndarray
+    through: np.ndarray
+
+
+def find_passages(pieces, points, tangents, run, *, radius=1.8, cosine=0.7) -> Passages:
+    """How runs lead from piece to piece.
+
+    Parameters
+    ----------
+    pieces : list of (k, 3) float64, samples about one edge length apart
+    points, tangents : (n, 3) float64; run : (n,) int64, the same for samples that follow each other on one curve
+    """
+    count = 2 * len(pieces)
+    if not pieces or not len(points):
+        return Passages(np.zeros((count, count), np.int64), np.zeros((0, 3), np.int64), np.zeros(0, np.int64))
+    out, into, connected = _steps(pieces, points, tangents, run, radius, cosine)
+    pairs = np.zeros((count, count), np.int64)
+    good = (out >= 0) & (into >= 0)
+    np.add.at(pairs, (out[good], into[good]), 1)
+    # Two steps in a row make a route where the first enters a piece at one end and the second leaves it at the other.
+    first = np.flatnonzero(good[:-1] & good[1:] & connected & (into[:-1] ^ 1 == out[1:]))
+    a, b, piece = out[first], into[first + 1], into[first] // 2
+    keys, runs = np.unique(np.stack([piece, np.minimum(a, b), np.maximum(a, b)], axis=1), axis=0, return_counts=True)
+    return Passages(pairs + pairs.T, np.concatenate([keys[:, 1:], runs[:, None]], axis=1), keys[:, 0])
+
+
+def _steps(pieces, points, tangents, run, radius, cosine):
+    """Steps of runs from piece to piece: the ends left and entered, or -1, and whether the next step goes on."""
+    line = np.concatenate(pieces)
+    way = np.concatenate([np.gradient(p, axis=0) for p in pieces])
+    way /= np.maximum(np.linalg.norm(way, axis=1), 1e-12)[:, None]
+    size = np.array([len(p) for p in pieces])
+    owner = np.repeat(np.arange(len(pieces)), size)
+    place = np.arange(len(line)) - np.repeat(np.cumsum(size) - size, size)
+    distance, near = cKDTree(line).query(points, k=4, distance_upper_bound=radius, workers=-1)
+    found = np.isfinite(distance)
+    near = np.where(found, near, 0)
+    found &= np.abs((way[near] * tangents[:, None]).sum(-1)) > cosine
+    sample = np.flatnonzero(found.any(axis=1))
+    near = near[sample, found[sample].argmax(axis=1)]
+    piece, at, run = owner[near], place[near], run[sample]
+    # Stretches of samples on one piece, as long as the run stays on it.
+    fresh = np.ones(len(sample), bool)
+    fresh[1:] = (np.diff(piece) != 0) | (np.diff(run) != 0) | (np.diff(sample) > PASSAGE)
+    first = np.flatnonzero(fresh)
+    last = np.append(first[1:], len(sample)) - 1
+    steady = last - first + 1 >= np.minimum(STEADY, size[piece[first]])
+    first, last = first[steady], last[steady]
+    a, b = np.arange(len(first) - 1), np.arange(1, len(first))
+    goes_on = run[last[a]] == run[first[b]]
+    goes_on &= (sample[first[b]] - sample[last[a]] <= PASSAGE) & (piece[first[a]] != piece[first[b]])
+    a, b = a[goes_on], b[goes_on]
+    out = _end_towards(at, piece, size, first[a], last[a])
+    into = _end_towards(at, piece, size, last[b], first[b])
+    return out, into, b[:-1] == a[1:]
+
+
+def _end_towards(at, piece, size, begin, stop):
+    """The end that a stretch from sample `begin` to sample `stop` runs to and is near at its stop, or -1."""
+    p = piece[stop]
+    forward = at[stop] > at[begin]
+    left = np.where(forward, size[p] - 1 - at[stop], at[stop])
+    moved = (at[stop] != at[begin]) | (size[p] <= STEADY)
+    return np.where(moved & (left <= NEAR_END), 2 * p + forward, -1)
+
+
+def part_shared(pieces, passages: Passages, smooth, bend, *, least=2, most=3):
+    """Pieces that several curves share, once for each of them.
+
+    A piece with two or more arms at either end is the common stretch of curves that touch or cross at a flat angle.
+    The arms are paired as most runs pass them; where no run shows it, as they bend least.
+
+    Parameters
+    ----------
+    smooth : (k, 2) int64, ends that continue each other smoothly, and are arms even where no run leads over
+    bend : called with two ends, gives how badly they continue each other
+    least : runs that make an arm; most : arms at an end that are looked at
+
+    Returns
+    -------
+    pieces : the given ones, those that are shared repeated at the end
+    forced : (k, 2) int64, ends that belong together: each copy with the two arms of its route
+    """
+    pieces, forced, parted, taken = list(pieces), [], set(), set()
+    arms = np.where(passages.pairs >= least, passages.pairs + 1, 0)
+    for a, b in (smooth.T, smooth.T[::-1]):
+        arms[a, b] = np.maximum(arms[a, b], passages.pairs[a, b] + 1)
+    branches = (arms > 0).sum(axis=1).reshape(-1, 2)
+    for piece in np.lexsort((-arms.sum(axis=1).reshape(-1, 2).sum(axis=1),)):
+        if branches[piece].min() < 2:
+            continue
+        head, tail = ([e for e in np.argsort(-arms[end], kind="stable")[:most].tolist()
+                       if arms[end, e] and e not in taken and e // 2 not in parted]
+                      for end in (2 * piece, 2 * piece + 1))  # fmt: skip
+        if min(len(head), len(tail)) < 2 or {e // 2 for e in head} & {e // 2 for e in tail}:
+            continue
+        parted.add(int(piece))
+        for number, (a, b) in enumerate(_pairing(head, tail, passages, piece, bend)):
+            copy = int(piece) if number == 0 else len(pieces)
+            if number:
+                pieces.append(pieces[piece])
+            forced += [(a, 2 * copy), (b, 2 * copy + 1)]
+            taken |= {a, b}
+    return pieces, np.array(forced, np.int64).reshape(-1, 2)
+
+
+def _pairing(head, tail, passages, piece, bend):
+    """Pairs of arms at the two ends of a piece: those with the most runs through, then with the least bend."""
+    runs = {(a, b): n for a, b, n in passages.routes[passages.through == piece].tolist()}
+    if len(head) > len(tail):
+        return [(a, b) for b, a in _pairing(tail, head, passages, piece, bend)]
+
+    def badness(choice):
+        pairs = list(zip(head, choice))
+        return -sum(runs.get((min(p), max(p)), 0) for p in pairs), sum(bend(*p) for p in pairs)
+
+    return list(zip(head, min(permutations(tail, len(head)), key=badness)))
