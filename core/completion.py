@@ -5,13 +5,16 @@ from __future__ import annotations
 
 import numpy as np
 
+from .courses import Course
+from .drafts import Draft, along, directions, placed
 from .network import CurveNetwork
 from .strong import keeps_alone
-from .templates import Draft, _along, placed
 from .values import CompletedCurve, Completion, InputClasses, Template, Transformation
 
 
-def build_completion(network: CurveNetwork, model, drafts: list[Draft], input_count, parameters, seconds) -> Completion:
+def build_completion(
+    network: CurveNetwork, model, drafts: list[Draft], courses: list[Course], input_count, parameters, seconds
+) -> Completion:
     """Templates and strong curves in world space, and the class of every input curve."""
     templates, component = [], 0
     used = sorted({d.transformation for d in drafts})
@@ -19,12 +22,12 @@ def build_completion(network: CurveNetwork, model, drafts: list[Draft], input_co
     for k, draft in enumerate(drafts):
         templates.append(_template(network, draft, k, place[draft.transformation], component))
         component += len(draft.curves)
-    share, label, owner = classify(network, drafts, radius=1.25 * parameters.epsilon)
+    share, label, owner, in_course = classify(network, drafts, courses, radius=1.25 * parameters.epsilon)
     alone = keeps_alone(
         network, l0=parameters.l0, keep_length=parameters.keep_length, keep_curvature=parameters.keep_curvature
     )
-    recurs = share >= 0.5
-    kind = np.where(recurs, "template", np.where(alone, "strong", "noise"))
+    recurs, passing = share >= 0.5, in_course >= 0.5
+    kind = np.where(recurs, "template", np.where(alone | passing, "strong", "noise"))
     inputs = InputClasses(
         np.full(input_count, "noise", dtype="<U8"), np.full(input_count, -1), np.full(input_count, -1)
     )
@@ -32,9 +35,10 @@ def build_completion(network: CurveNetwork, model, drafts: list[Draft], input_co
     transformation = np.array([place[d.transformation] for d in drafts] + [-1], np.int64)[owner]
     inputs.transformation[network.source] = np.where(recurs, transformation, -1)
     inputs.component[network.source] = np.where(recurs, label, -1)
-    strong = tuple(
+    strong = tuple(CompletedCurve(network.to_world(c.points), c.closed, -1, c.support) for c in courses)
+    strong += tuple(
         CompletedCurve(network.to_world(network.curve(i)), bool(network.closed[i]), -1, 1.0)
-        for i in np.flatnonzero(alone & ~recurs)
+        for i in np.flatnonzero(alone & ~recurs & ~passing)
     )
     transformations = tuple(_transformation(network, model, k, i, drafts) for k, i in place.items())
     return Completion(network.unit, transformations, tuple(templates), strong, inputs, seconds, {})
@@ -57,7 +61,7 @@ def _template(network, draft, number, transformation, component):
 
 def _transformation(network, model, k, number, drafts):
     orbit = model.orbits[k]
-    seen = [d.keys for d in drafts if d.transformation == k and d.orbital]
+    seen = [d.keys[d.orbital] for d in drafts if d.transformation == k and d.orbital.any()]
     high = np.ptp(np.concatenate(seen), axis=0) if seen else orbit.count
     extent = np.stack([np.zeros(len(orbit.twists), np.int64), high], axis=1)
     return Transformation(
@@ -66,31 +70,41 @@ def _transformation(network, model, k, number, drafts):
     )  # fmt: skip
 
 
-def classify(network: CurveNetwork, drafts, *, radius, cosine=0.7):
-    """For each curve: the share that lies along templates, and the component and draft along which most lies.
+def classify(network: CurveNetwork, drafts, courses=(), *, radius):
+    """For each curve: the share that lies along templates, the component and draft along which most lies, and the
+    share that lies along courses.
 
-    Returns (m,) float64, (m,) int64 and (m,) int64; -1 where nothing does. Components are numbered through all
-    drafts: a curve of a template and the same curve at all its occurrences are one component.
+    Returns (m,) float64, (m,) int64 and (m,) int64, -1 where nothing does, and (m,) float64. Components are numbered
+    through all drafts: a curve of a template and the same curve at all its occurrences are one component.
     """
     m = len(network)
-    if not drafts:
-        return np.zeros(m), np.full(m, -1), np.full(m, -1)
-    points, tangents, component, owner = [], [], [], []
+    none = np.full(m, -1)
+    if not drafts and not courses:
+        return np.zeros(m), none, none, np.zeros(m)
+    points, tangents, component = [], [], []
     first = 0
-    for k, draft in enumerate(drafts):
+    for draft in drafts:
         p, t, _, c = placed(draft)
         points.append(p)
         tangents.append(t)
         component.append(c + first)
-        owner.append(np.full(len(c), k))
         first += len(draft.curves)
-    component, owner = np.concatenate(component), np.concatenate(owner)
-    hit, near = _along(network, np.concatenate(points), np.concatenate(tangents), radius, cosine)
+    for course in courses:
+        points.append(course.points)
+        tangents.append(directions(course.points))
+        component.append(np.full(len(course.points), first))
+    component = np.concatenate(component)
+    hit, near, _ = along(network, np.concatenate(points), np.concatenate(tangents), radius)
     curve, label = network.curve_of[hit], component[near[hit]]
-    votes = np.zeros((m, first))
-    np.add.at(votes, (curve, label), network.weights[hit])
+    votes = np.zeros((m, first + 1))
+    np.add.at(votes, (curve, label), 1.0)
+    size = np.diff(network.offsets)
+    in_course = votes[:, first] / size
+    votes = votes[:, :first]
+    share = votes.sum(axis=1) / size
+    if not first:
+        return share, none, none, in_course
     best = votes.argmax(axis=1)
     any_ = votes.max(axis=1) > 0
     draft_of = np.repeat(np.arange(len(drafts)), [len(d.curves) for d in drafts])
-    share = np.bincount(curve, minlength=m) / np.diff(network.offsets)
-    return share, np.where(any_, best, -1), np.where(any_, draft_of[best], -1)
+    return share, np.where(any_, best, -1), np.where(any_, draft_of[best], -1), in_course

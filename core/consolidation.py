@@ -193,7 +193,7 @@ def fit_curves(paths, points, tangents, weight, run, *, trails=None, images=(), 
     for (line, ring), own in zip(joined, share):
         line = smooth_polyline(line, smoothing, ring)
         for _ in range(2):
-            line = _pull(line, points[own], tangents[own], weight[own], radius, ring)
+            line = pull(line, points[own], tangents[own], weight[own], radius, ring)
         line = resample_polyline(smooth_polyline(line, smoothing, ring), 1.0, ring)
         curves.append(line)
         closed.append(ring)
@@ -264,7 +264,7 @@ def _even(path):
     return resample_polyline(smooth_polyline(resample_polyline(path, 1.0, False), 1.0, False), 1.0, False)
 
 
-def _pull(line, points, tangents, weight, radius, ring, *, spread=3.0):
+def pull(line, points, tangents, weight, radius, ring, *, spread=3.0):
     """A line moved onto the middle of the points along it.
 
     Each point gives its displacement from the line where it is nearest; displacements, not places, are averaged

@@ -1,90 +1,183 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Occurrences in no regular order: one thing that several transformations describe (section 5.2, components).
+"""Occurrences of a template wherever they are (section 5.2): also beside a lattice, and where there is none.
 
-The graph of one transformation joins a curve with its image only. Things that stand in no lattice are related by
-a different motion for every pair; the components of those motions share curves and are one thing. Here a thing
-is the place that a motion starts from, and its occurrences are found by what the other motions show of it.
+The graph of one transformation joins a curve with its image only. Things that stand in no regular order are related by
+another motion for every pair, and the wings of a facade by none of a lattice's. Here the template itself is looked
+for: every match of a curve that shows it with a curve that nothing explains says where it may be once more.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
-from .blast import feature_blast
-from .clustering import cluster_votes
-from .network import CurveNetwork, build_network
+from .clustering import group_motions, perturbed
+from .drafts import along
+from .network import CurveNetwork
 from .rigid import inverse
-from .support import Screen, in_long_stretches, long_stretches
-from .values import Curves
-from .voting import vote
+from .support import Screen, in_long_stretches
 
-SEEN, ROUNDS, APART = 0.3, 3, 8.0
-"""Share of a thing that an occurrence must show, rounds of composing motions, edge lengths between occurrences."""
+APART, MOST, REFINED = 8.0, 4000, 200
+"""Edge lengths between two occurrences, candidates that are looked at, and candidates that are refined."""
+
+SEEN, OVER_CHANCE, STIFF = 0.45, 1.3, 5.0
+"""Share of what the known occurrences show that another one must show, by what factor it must exceed what places
+beside the known ones show, and what must hold its pose in the direction that is held least (edge lengths)."""
 
 
-def starred(network: CurveNetwork, seed, pool, screen: Screen, free):
-    """Occurrences of what a motion maps: its own two places and all others that the pool's motions lead to.
+@dataclass(frozen=True)
+class Pattern:
+    """What is looked for, as samples: points, tangents (n, 3); weights, curve_of (n,); normals, kind as a network's."""
 
-    Parameters
-    ----------
-    seed : (4, 4); pool : (k, 4, 4) other motions, each taken with its inverse
-    free : (n,) bool, samples that nothing explains yet
+    points: np.ndarray
+    tangents: np.ndarray
+    weights: np.ndarray
+    curve_of: np.ndarray
+    normals: np.ndarray | None
+    kind: np.ndarray | None
 
-    Returns
-    -------
-    poses : (a, 4, 4), the identity first; region : (r,) int64, samples of the thing at its first place
+
+class Search:
+    """Looks for patterns in a network.
+
+    votes, clusters : what Feature BLAST found: where a pattern may be
+    screen : support on the network; its radius is the final tolerance
     """
-    _, hit = screen.nearest(seed[None])
-    hit = long_stretches(hit, screen.curve, screen.least)[0] & free
-    region = _main_part(network, np.flatnonzero(hit))
-    if len(region) < 2 * screen.least:
-        return np.eye(4)[None], region
-    steps = np.concatenate([seed[None], inverse(seed[None]), pool, inverse(pool)])
-    poses = np.eye(4)[None]
-    fresh = poses
-    for _ in range(ROUNDS):
-        tries = (steps[None] @ fresh[:, None]).reshape(-1, 4, 4)
-        tries = tries[~_near(network, region, tries, poses)]
+
+    def __init__(self, network: CurveNetwork, votes, clusters, screen: Screen):
+        self.network, self.votes, self.screen = network, votes, screen
+        self.pool = np.concatenate([clusters.motions[:150], inverse(clusters.motions[:150])])
+        self.wide = Screen(network, radius=2 * screen.radius, still=None, threads=screen.threads).field
+
+    def find(self, pattern: Pattern, poses, free):
+        """More poses of a pattern, beside the known ones.
+
+        Parameters
+        ----------
+        poses : (a, 4, 4), known poses, pattern to network
+        free : (n,) bool, samples that may show it
+
+        Returns
+        -------
+        (b, 4, 4), best shown first; they share no place with each other or with the known ones
+        """
+        more = {"threads": self.screen.threads, "tick": self.screen.tick, "still": None}
+        fine = Screen(self.network, pattern, radius=self.screen.radius, field=self.screen.field, **more)
+        typical = np.median(shown(fine, poses, free)[0])
+        known = poses[:: max(1, len(poses) // 20)]
+        beside = perturbed(np.repeat(known, max(1, 40 // len(known)), axis=0), pattern.points.std(axis=0))
+        wide = {"radius": 2 * self.screen.radius, "field": self.wide, **more}
+        coarse = Screen(self.network, pattern, stride=2, stretch=6.0, **wide)
+        floor = np.quantile(shown(fine, fitted(fine, fitted(coarse, beside, free, 2), free, 2), free)[0], 0.9)
+        tries = self._candidates(pattern, poses, free)
         if not len(tries):
-            break
-        tries, share = fit_on(network, screen, tries, region, free)
-        accepted = []
+            return tries
+        rough = shown(coarse, tries, free)[0]
+        order = np.argsort(-rough, kind="stable")
+        order = order[rough[order] > 0.5 * SEEN * typical][:1500]
+        # Candidates near each other are refined to the same pose.
+        _, lead = np.unique(group_motions(tries[order], 6.0, 4.0), return_index=True)
+        tries = tries[order[np.sort(lead)[:REFINED]]]
+        tries = fitted(fine, fitted(coarse, tries, free, 4), free, 2)
+        share, stiff = shown(fine, tries, free)
+        good = (share >= max(SEEN * typical, OVER_CHANCE * floor)) & (stiff >= STIFF)
+        found = np.zeros((0, 4, 4))
         for k in np.argsort(-share, kind="stable"):
-            if share[k] < SEEN:
-                break
-            known = np.concatenate([poses, *[a[None] for a in accepted]])
-            if not _near(network, region, tries[k : k + 1], known)[0]:
-                accepted.append(tries[k])
-        if not accepted:
-            break
-        fresh = np.array(accepted)
-        poses = np.concatenate([poses, fresh])
-    return poses, region
+            if good[k] and not share_place(pattern.points, tries[k : k + 1], np.concatenate([poses, found]))[0]:
+                found = np.concatenate([found, tries[k : k + 1]])
+        return found
+
+    def _candidates(self, pattern, poses, free):
+        """Poses (k, 4, 4) to which matches of what shows the pattern lead, best first, none at a known place."""
+        owner, explained = self._owner(pattern, poses)
+        source, target = self.votes.pair.T
+        new = np.bincount(self.network.curve_of, free & ~explained) > 0.5 * np.diff(self.network.offsets)
+        there = np.flatnonzero((owner[source] >= 0) & new[target])
+        back = np.flatnonzero((owner[target] >= 0) & new[source])
+        motions = np.concatenate([self.votes.motions[there], inverse(self.votes.motions[back])])
+        at = np.concatenate([owner[source[there]], owner[target[back]]])
+        order = np.argsort(-self.votes.weight[np.concatenate([there, back])], kind="stable")[:MOST]
+        tries = motions[order] @ poses[at[order]]
+        some = poses[:: max(1, len(poses) // 8)]
+        pool = (self.pool[:, None] @ some[None]).reshape(-1, 4, 4)
+        low, high = self.network.points.min(axis=0), self.network.points.max(axis=0)
+        middle = pool[:, :3, :3] @ pattern.points.mean(axis=0) + pool[:, :3, 3]
+        pool = pool[((middle > low - 10) & (middle < high + 10)).all(axis=1)]
+        tries = np.concatenate([tries, pool])
+        return tries[~share_place(pattern.points, tries, poses)]
+
+    def _owner(self, pattern, poses):
+        """The pose at which each curve shows the pattern, or -1, and which samples show it."""
+        r, t = poses[:, :3, :3], poses[:, None, :3, 3]
+        points = (pattern.points @ np.swapaxes(r, 1, 2) + t).reshape(-1, 3)
+        lines = (pattern.tangents @ np.swapaxes(r, 1, 2)).reshape(-1, 3)
+        seen, near, _ = along(self.network, points, lines, 1.25 * self.screen.radius)
+        counts = np.zeros((len(self.network), len(poses)))
+        np.add.at(counts, (self.network.curve_of[seen], near[seen] // len(pattern.points)), 1)
+        size = np.diff(self.network.offsets)
+        best = counts.argmax(axis=1)
+        return np.where(counts.max(axis=1) >= np.minimum(0.3 * size, 15), best, -1), seen
 
 
-def _main_part(network, samples, gap=12.0):
-    """The largest group of samples that lie within `gap` of each other."""
-    if not len(samples):
-        return samples
-    pair = cKDTree(network.points[samples]).query_pairs(gap, output_type="ndarray")
-    n = len(samples)
-    graph = coo_matrix((np.ones(len(pair)), (pair[:, 0], pair[:, 1])), shape=(n, n))
-    label = connected_components(graph, directed=False)[1]
-    return samples[label == np.argmax(np.bincount(label))]
+def shown(probe: Screen, poses, free):
+    """Share (h,) of a pattern that the free samples show at each pose, and how well they hold the pose (h,).
+
+    What holds a pose is the least eigenvalue of the normal matrix of the distances across the curves, rotations
+    measured at the pattern's radius of gyration: the length of pattern that resists a move in the direction that is
+    held least. A straight line alone gives 0, it slides and rolls.
+    """
+    share, stiff = np.zeros(len(poses)), np.zeros(len(poses))
+    total = probe.weight.sum()
+    size = max(1, 200_000 // max(1, len(probe.points)))
+    for begin in range(0, len(poses), size):
+        part = slice(begin, begin + size)
+        i, k = _free_hits(probe, poses[part], free)[:2]
+        count = len(poses[part])
+        share[part] = np.bincount(i, probe.weight[k], minlength=count) / total
+        normal = np.zeros((count, 36))
+        for column, term in enumerate((probe.weight[k][:, None, None] * _resistance(probe)[k]).reshape(-1, 36).T):
+            normal[:, column] = np.bincount(i, term, minlength=count)
+        stiff[part] = np.linalg.eigvalsh(normal.reshape(-1, 6, 6))[:, 0]
+        probe.tick()
+    return share, stiff
 
 
-def _near(network, region, motions, known):
-    """Which motions put a region where one of the known motions puts it already."""
-    return share_place(network.points[region], motions, known)
+def _resistance(probe):
+    """(n, 6, 6) float64, for each sample: J^T J of its distance across its tangent under a small shift and turn."""
+    arm = probe.points - probe.points.mean(axis=0)
+    arm = arm / max(np.sqrt((arm**2).sum(axis=1).mean()), 1e-9)
+    across = np.eye(3) - probe.tangents[:, :, None] * probe.tangents[:, None, :]
+    turn = np.cross(np.eye(3)[None], arm[:, None, :])
+    move = np.concatenate([np.broadcast_to(np.eye(3), (len(arm), 3, 3)), np.swapaxes(turn, 1, 2)], axis=2)
+    jacobian = across @ move
+    return np.swapaxes(jacobian, 1, 2) @ jacobian
+
+
+def _free_hits(probe, poses, free):
+    i, k, j = probe.hits(poses)
+    good = free[j]
+    i, k, j = i[good], k[good], j[good]
+    good = in_long_stretches(i, k, probe.curve, probe.least)
+    return i[good], k[good], j[good]
+
+
+def fitted(probe: Screen, poses, free, rounds):
+    """Poses moved so that the pattern lies on the free samples that show it (ICP to the tangent lines)."""
+    poses = poses.copy()
+    size = max(1, 200_000 // max(1, len(probe.points)))
+    for begin in range(0, len(poses), size):
+        part = slice(begin, begin + size)
+        for _ in range(rounds):
+            poses[part] = probe.align(poses[part], *_free_hits(probe, poses[part], free))
+        probe.tick()
+    return poses
 
 
 def share_place(points, motions, known):
     """(k,) bool, which motions (k, 4, 4) put points (n, 3) where one of the known motions puts them already."""
+    if not len(known) or not len(motions):
+        return np.zeros(len(motions), bool)
     middle = points.mean(axis=0)
     size = np.sqrt(((points - middle) ** 2).sum(1).mean())
     place = motions[:, :3, :3] @ middle + motions[:, :3, 3]
@@ -92,116 +185,3 @@ def share_place(points, motions, known):
     gap = np.linalg.norm(place[:, None] - other[None], axis=2)
     # A thing is as large as it is: two occurrences do not share a place, whichever way they are turned.
     return (gap < max(APART, 0.5 * size)).any(axis=1)
-
-
-def fit_on(network: CurveNetwork, screen: Screen, motions, region, free, *, rounds=3):
-    """Motions refined on the samples of a region, and the share of its length that each shows."""
-    motions = motions.copy()
-    inside = np.zeros(len(network.points), bool)
-    inside[region] = True
-    weight = network.weights[region].sum()
-    share = np.zeros(len(motions))
-    size = max(1, 400_000 // len(network.points))
-    for begin in range(0, len(motions), size):
-        part = slice(begin, begin + size)
-        for last in range(rounds + 1):
-            i, k, j = screen.hits(motions[part])
-            good = inside[k] & free[j]
-            i, k, j = i[good], k[good], j[good]
-            good = in_long_stretches(i, k, screen.curve, screen.least)
-            i, k, j = i[good], k[good], j[good]
-            share[part] = np.bincount(i, network.weights[k], minlength=len(motions[part])) / weight
-            if last < rounds:
-                motions[part] = screen.align(motions[part], i, k, j)
-    return motions, share
-
-
-def congruent_parts(curves, owner, surface=(None, None), *, l0, s, t, delta_l, epsilon, threads=1):
-    """Groups of clean curves that rigid motions take onto each other.
-
-    Three curves that keep their places to each other are one thing twice; fewer may be two parts of one thing
-    that look alike (the halves of an arch), unless they are all there is of their templates.
-
-    Parameters
-    ----------
-    curves : list of (k, 3) float64, edge lengths
-    owner : (c,) int64, the template of each curve
-    surface : normals (n, 3) and kinds (n,) of all points, or None
-
-    Returns
-    -------
-    list of groups, each a list of (motion (4, 4), members list of int): the motion takes the first member set's
-    place to this one's. The first motion is the identity.
-    """
-    normals, kind = surface
-    lines = replace(Curves.from_list(curves), normals=normals, kind=kind)
-    sub = build_network(lines, edge_length=1.0, smoothing=0.0)
-    least = max(8.0, 0.6 * l0)
-    strong = np.flatnonzero(sub.lengths > least)
-    if len(strong) < 2:
-        return []
-    matches = feature_blast(sub, strong, l0=least, s=s, t=t, delta_l=delta_l, threads=threads)
-    votes = vote(sub, matches, bin_translation=2.0, bin_rotation=1.5)
-    screen = Screen(sub, radius=epsilon, stretch=6.0, still=APART, threads=threads)
-    clusters = cluster_votes(sub, votes, screen, cluster_translation=2.0, cluster_rotation=1.5)
-    found = []
-    for motion in clusters.motions:
-        source, target = _whole_sides(sub, screen, motion)
-        length = sub.lengths[source].sum()
-        if length < l0 or set(source) & set(target):
-            continue
-        sides = (source, target)
-        if min(map(len, sides)) >= 3 or all(_is_most(sub, side, owner) for side in sides):
-            found.append((length, motion, source, target))
-    found.sort(key=lambda f: -f[0])
-    groups = _grouped([f[1:] for f in found])
-    return [[(sub.motion_to_world(m[None])[0], sub.source[members].tolist()) for m, members in g] for g in groups]
-
-
-def _is_most(network, curves, owner, *, least=0.7):
-    """Whether curves are most of the templates that they belong to."""
-    owner = np.asarray(owner)[network.source]
-    own = np.isin(owner, owner[list(curves)])
-    return network.lengths[list(curves)].sum() >= least * network.lengths[own].sum()
-
-
-def _whole_sides(network, screen, motion, *, least=0.65):
-    """Curves that a motion takes onto others as a whole, and those others, which they show as a whole."""
-    least_run = np.minimum(screen.least, np.diff(network.offsets))[network.curve_of]
-    near, hit = screen.nearest(np.stack([motion, inverse(motion)]))
-    hit = long_stretches(hit, screen.curve, least_run)
-    hit &= network.curve_of[near] != network.curve_of
-    m = len(network)
-    share = [np.bincount(network.curve_of[h], minlength=m) / np.diff(network.offsets) for h in hit]
-    source, target = (x >= least for x in share)
-    for _ in range(3):
-        meets = [np.zeros(m, bool), np.zeros(m, bool)]
-        for side, other in ((0, target), (1, source)):
-            to = network.curve_of[near[side][hit[side]]]
-            good = np.bincount(network.curve_of[hit[side]], other[to], minlength=m)
-            meets[side] = good >= least * np.diff(network.offsets)
-        source, target = source & meets[0], target & meets[1]
-    return np.flatnonzero(source), np.flatnonzero(target)
-
-
-def _grouped(found):
-    """Groups of places of one thing, from motions with the curves they start from and lead to, best first."""
-    groups, where = [], {}
-
-    def add(group, motion, members):
-        groups[group].append((motion, list(members)))
-        where.update({k: (group, len(groups[group]) - 1) for k in members})
-
-    for motion, source, target in found:
-        at, to = ({where[k] for k in side if k in where} for side in (source, target))
-        if not at and not to:
-            groups.append([])
-            add(len(groups) - 1, np.eye(4), source)
-            add(len(groups) - 1, motion, target)
-        elif len(at) == 1 and not to:
-            group, place = at.pop()
-            add(group, motion @ groups[group][place][0], target)
-        elif len(to) == 1 and not at:
-            group, place = to.pop()
-            add(group, inverse(motion) @ groups[group][place][0], source)
-    return groups

@@ -59,7 +59,7 @@ def detect_orbits(network: CurveNetwork, clusters: Clusters, screen: Screen, *, 
 
     Clusters that are powers of an orbit's generators are part of it. A generator that is a multiple of the true
     step falls back to the step: the roots of a motion are tried, and the finest that keeps its share of the
-    support is taken.
+    support is taken. A motion must explain something that no orbit before it does.
     """
     finder = _Finder(network, clusters, screen)
     limit = 1.2 * clusters.chance
@@ -75,6 +75,8 @@ def detect_orbits(network: CurveNetwork, clusters: Clusters, screen: Screen, *, 
         left = left[1:]
         if orbit is not None and len(left):
             left = left[finder.beyond(orbit, clusters.motions[left]) > limit]
+            finder.explain(orbit)
+            left = left[finder.unexplained(clusters.motions[left]) > limit]
         if progress:
             progress("orbits", 1 - len(left) / total)
     return sorted(found, key=lambda o: -o.support)
@@ -102,6 +104,7 @@ class _Finder:
         self.spread = np.sqrt((network.weights @ network.points**2) / network.weights.sum())
         self.extent = np.ptp(network.points, axis=0)
         self.still = screen.still
+        self.left = screen.weight.copy()
 
     def distance(self, a, b):
         return np.linalg.norm(embed(a, self.spread) - embed(b, self.spread), axis=1)
@@ -112,6 +115,15 @@ class _Finder:
         powers = embed(np.concatenate([powers, inverse(powers)]), self.spread)
         gap = np.linalg.norm(embed(orbit.generators, self.spread)[:, None] - powers[None], axis=2)
         return bool((gap.min(axis=1) < SAME).all())
+
+    def explain(self, orbit):
+        """Take what an orbit explains off the length that is left to others."""
+        powers = orbit.generators if orbit.kind == "single" else orbit.power(orbit.powers)
+        self.left[self.screen.supported(np.concatenate([powers, inverse(powers)]))] = 0
+
+    def unexplained(self, motions):
+        """Length at either end of each motion that it explains and nothing found so far does."""
+        return np.maximum(*(self.screen.score(m, weight=self.left) for m in (motions, inverse(motions))))
 
     def beyond(self, orbit, motions):
         """Support of motions by what neither is a power of the orbit's generators nor slips from one of them."""

@@ -70,8 +70,8 @@ def complete(curves: Curves, *, edge_length=None, parameters: Parameters | None 
             network, orbits, screen, l0=p.l0, t=p.t, bayes_ratio=p.bayes_ratio, progress=clock.progress
         )
     with clock.stage("completion", seconds):
-        drafts = extract_templates(network, model, clusters, screen, p, progress=clock.progress)
-        completion = build_completion(network, model, drafts, len(curves), p, seconds)
+        drafts, courses = extract_templates(network, model, votes, clusters, screen, p, progress=clock.progress)
+        completion = build_completion(network, model, drafts, courses, len(curves), p, seconds)
     counts = np.diff(network.offsets)
     completion.work.update(
         strong_curves=len(strong), strong_samples=int(counts[strong].sum()), point_pairs=matches.point_pairs,

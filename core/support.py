@@ -119,30 +119,34 @@ class Screen:
 
     Parameters
     ----------
+    source : the network whose samples are moved onto `network`; None takes `network` itself
     radius : largest distance of a sample from the network after the motion
     cosine : least cosine between the tangents
     stretch : shortest supported stretch
-    still : a sample that moves less is no recurrence
+    still : a sample that moves less is no recurrence; None where samples may stay where they are
+    field : look-up table of `network` for this radius, if there is one already
     tick : called between blocks of work; may raise Cancelled
     """
 
     def __init__(
-        self, network: CurveNetwork, *, radius, stride=1, cosine=0.8, stretch=8.0, still=4.0, threads=1, tick=None
-    ):
+        self, network: CurveNetwork, source=None, *, radius, stride=1, cosine=0.8, stretch=8.0, still=4.0, threads=1,
+        tick=None, field=None,
+    ):  # fmt: skip
         self.tick = tick or (lambda: None)
-        self.field = NeighbourField(network.points, radius)
-        pick = np.arange(0, len(network.points), stride)
-        self.points, self.tangents = network.points[pick], network.tangents[pick]
+        self.field = NeighbourField(network.points, radius) if field is None else field
+        source = network if source is None else source
+        pick = np.arange(0, len(source.points), stride)
+        self.points, self.tangents = source.points[pick], source.tangents[pick]
         self.homogeneous = np.concatenate([self.points, np.ones((len(pick), 1))], axis=1).astype(np.float32)
         self.lines = self.tangents.astype(np.float32)
         self.all_points, self.all_tangents = network.points, network.tangents
         self.all_lines = network.tangents.astype(np.float32)
         self.all_normals = None if network.normals is None else network.normals.astype(np.float32)
         self.all_kinds = network.kind
-        self.kind = None if network.kind is None else network.kind[pick]
-        self.normals = None if self.all_normals is None else self.all_normals[pick]
-        self.curve = network.curve_of[pick]
-        self.weight = network.weights[pick] * stride
+        self.kind = None if source.kind is None or network.kind is None else source.kind[pick]
+        self.normals = None if source.normals is None or self.all_normals is None else source.normals[pick]
+        self.curve = source.curve_of[pick]
+        self.weight = source.weights[pick] * stride
         self.least = max(1, int(np.ceil(stretch / stride)))
         self.radius, self.cosine, self.still, self.threads = radius, cosine, still, threads
 
@@ -174,6 +178,8 @@ class Screen:
         if self.kind is not None:
             good = self.kind[k] == self.all_kinds[j]
             i, k, j = i[good], k[good], j[good]
+        if self.still is None:
+            return i, k, j.astype(np.int64)
         good = self._travel(motions, i, k) > self.still**2
         return i[good], k[good], j[good].astype(np.int64)
 
@@ -210,14 +216,16 @@ class Screen:
                 raise
         return done
 
-    def score(self, motions, *, beside=None, chunk=None):
+    def score(self, motions, *, beside=None, weight=None, chunk=None):
         """(h,) float64, supported length of each motion, without the curves that slip along it.
 
+        weight : (n,) float64, length that each sample stands for here; None takes that of the network
         beside : (h, 4, 4), motions that are known to recur, one for each; what slips from the one motion to
         the other, or goes to the same place, supports both alike and is left out, too.
         """
         if not len(motions):
             return np.zeros(0)
+        weight = self.weight if weight is None else weight
         both = np.stack([motions, motions if beside is None else inverse(beside) @ motions], axis=1)
 
         def part(pair):
@@ -227,9 +235,21 @@ class Screen:
             good = self._specific(pair[:, 0], i, k)
             if beside is not None:
                 good &= self._specific(pair[:, 1], i, k) & (self._travel(pair[:, 1], i, k) > self.still**2)
-            return np.bincount(i[good], self.weight[k[good]], minlength=len(pair))
+            return np.bincount(i[good], weight[k[good]], minlength=len(pair))
 
         return np.concatenate(self._chunks(both, part, chunk))
+
+    def supported(self, motions):
+        """(n,) bool, samples that any of the motions takes onto the network along a stretch."""
+
+        def part(m):
+            i, k, _ = self.hits(m)
+            return np.unique(k[in_long_stretches(i, k, self.curve, self.least)])
+
+        seen = np.zeros(len(self.points), bool)
+        if len(motions):
+            seen[np.concatenate(self._chunks(motions, part, None))] = True
+        return seen
 
     def prominence(self, motions, *, off=(7.0, 4.0)):
         """(h,) float64, by how much a motion's support stands out from that of motions a little beside it.

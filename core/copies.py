@@ -1,0 +1,186 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Templates that are rigid copies of each other, or that hold copies within themselves, become one (section 5.2)."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from .blast import feature_blast
+from .clustering import cluster_votes
+from .drafting import consolidate_places
+from .drafts import Draft, explained_samples, placed, seen_share
+from .grouping import group
+from .network import CurveNetwork, build_network
+from .occurrences import share_place
+from .rigid import inverse
+from .support import Screen, long_stretches
+from .values import Curves
+from .voting import vote
+
+
+def unite(network: CurveNetwork, drafts: list[Draft], free, parameters, *, threads=1) -> list[Draft]:
+    """Drafts in which curves that are rigid copies of each other are one template with the occurrences of all.
+
+    free : (n,) bool, samples that may show them
+    """
+    p, epsilon = parameters, parameters.epsilon
+    items = [(d, c) for d, draft in enumerate(drafts) for c in range(len(draft.curves))]
+    if len(items) < 2:
+        return drafts
+    first = [np.asarray(drafts[d].poses[0]) for d, _ in items]
+    lines = [drafts[d].curves[c] @ m[:3, :3].T + m[:3, 3] for (d, c), m in zip(items, first)]
+    surface = (None, None)
+    if network.normals is not None:
+        nearest = cKDTree(network.points).query(np.concatenate(lines))[1]
+        surface = network.normals[nearest], None if network.kind is None else network.kind[nearest]
+    groups = congruent_parts(
+        lines, [d for d, _ in items], surface, l0=p.l0, s=p.s, t=p.t, delta_l=p.delta_l, epsilon=epsilon,
+        threads=threads,
+    )
+    united = []
+    for places in groups:
+        poses, region = [], []
+        for place, members in places:
+            back = np.linalg.inv(place)
+            region += [lines[k] @ back[:3, :3].T + back[:3, 3] for k in members]
+            source = drafts[items[members[0]][0]]
+            poses.append(source.poses @ np.linalg.inv(source.poses[0]) @ place)
+        poses, region = np.concatenate(poses), np.concatenate(region)
+        poses = _one_a_place(network, poses, region, epsilon)
+        most = max({items[k][0] for _, members in places for k in members}, key=lambda d: len(drafts[d].poses))
+        draft = consolidate_places(network, poses, region, drafts[most].transformation, free, epsilon=epsilon)
+        new, _ = group(network, draft, free, radius=1.25 * epsilon)
+        # What was explained by the parts must be explained by the whole.
+        used = [items[k] for _, members in places for k in members]
+        before = [drafts[d].part([c for e, c in used if e == d]) for d in sorted({d for d, _ in used})]
+        if _explained_length(network, new, epsilon) >= 0.97 * _explained_length(network, before, epsilon):
+            united += new
+    if not united:
+        return drafts
+    return united + [left for draft in drafts if (left := _uncovered(draft, united, 1.25 * epsilon)) is not None]
+
+
+def _one_a_place(network, poses, region, epsilon):
+    """The poses (a, 4, 4) without those that put the region (n, 3) where another one does, which shows it better."""
+    share = seen_share(network, [region], poses, radius=1.25 * epsilon)[:, 0]
+    kept = []
+    for k in np.argsort(-share, kind="stable"):
+        if not kept or not share_place(region, poses[k : k + 1], poses[kept])[0]:
+            kept.append(int(k))
+    return poses[sorted(kept)]
+
+
+def _explained_length(network, drafts, epsilon):
+    if not drafts:
+        return 0.0
+    shown = np.any([explained_samples(network, d, radius=1.25 * epsilon) for d in drafts], axis=0)
+    return float(network.weights[shown].sum())
+
+
+def _uncovered(draft, others, radius):
+    """The draft without the curves that other drafts show already, or None."""
+    points, tangents = (np.concatenate(x) for x in zip(*(placed(o)[:2] for o in others)))
+    tree = cKDTree(points)
+    own, way, _, curve = placed(draft)
+    distance, near = tree.query(own, k=3, distance_upper_bound=radius, workers=-1)
+    found = np.isfinite(distance)
+    along = np.abs((tangents[np.where(found, near, 0)] * way[:, None]).sum(-1)) > 0.7
+    covered = np.bincount(curve, (found & along).any(axis=1)) / np.bincount(curve)
+    keep = np.flatnonzero(covered < 0.5)
+    if not len(keep):
+        return None
+    return draft.part(keep)
+
+
+def congruent_parts(curves, owner, surface=(None, None), *, l0, s, t, delta_l, epsilon, threads=1):
+    """Groups of clean curves that rigid motions take onto each other.
+
+    Three curves that keep their places to each other are one thing twice; fewer may be two parts of one thing
+    that look alike (the halves of an arch), unless they are all there is of their templates.
+
+    Parameters
+    ----------
+    curves : list of (k, 3) float64, edge lengths
+    owner : (c,) int64, the template of each curve
+    surface : normals (n, 3) and kinds (n,) of all points, or None
+
+    Returns
+    -------
+    list of groups, each a list of (motion (4, 4), members list of int): the motion takes the first member set's
+    place to this one's. The first motion is the identity.
+    """
+    normals, kind = surface
+    lines = replace(Curves.from_list(curves), normals=normals, kind=kind)
+    sub = build_network(lines, edge_length=1.0, smoothing=0.0)
+    least = max(8.0, 0.6 * l0)
+    strong = np.flatnonzero(sub.lengths > least)
+    if len(strong) < 2:
+        return []
+    matches = feature_blast(sub, strong, l0=least, s=s, t=t, delta_l=delta_l, threads=threads)
+    votes = vote(sub, matches, bin_translation=2.0, bin_rotation=1.5)
+    screen = Screen(sub, radius=epsilon, stretch=6.0, still=8.0, threads=threads)
+    clusters = cluster_votes(sub, votes, screen, cluster_translation=2.0, cluster_rotation=1.5)
+    found = []
+    for motion in clusters.motions:
+        source, target = _whole_sides(sub, screen, motion)
+        length = sub.lengths[source].sum()
+        if length < l0 or set(source) & set(target):
+            continue
+        sides = (source, target)
+        if min(map(len, sides)) >= 3 or all(_is_most(sub, side, owner) for side in sides):
+            found.append((length, motion, source, target))
+    found.sort(key=lambda f: -f[0])
+    groups = _grouped([f[1:] for f in found])
+    return [[(sub.motion_to_world(m[None])[0], sub.source[members].tolist()) for m, members in g] for g in groups]
+
+
+def _is_most(network, curves, owner, *, least=0.7):
+    """Whether curves are most of the templates that they belong to."""
+    owner = np.asarray(owner)[network.source]
+    own = np.isin(owner, owner[list(curves)])
+    return network.lengths[list(curves)].sum() >= least * network.lengths[own].sum()
+
+
+def _whole_sides(network, screen, motion, *, least=0.65):
+    """Curves that a motion takes onto others as a whole, and those others, which they show as a whole."""
+    least_run = np.minimum(screen.least, np.diff(network.offsets))[network.curve_of]
+    near, hit = screen.nearest(np.stack([motion, inverse(motion)]))
+    hit = long_stretches(hit, screen.curve, least_run)
+    hit &= network.curve_of[near] != network.curve_of
+    m = len(network)
+    share = [np.bincount(network.curve_of[h], minlength=m) / np.diff(network.offsets) for h in hit]
+    source, target = (x >= least for x in share)
+    for _ in range(3):
+        meets = [np.zeros(m, bool), np.zeros(m, bool)]
+        for side, other in ((0, target), (1, source)):
+            to = network.curve_of[near[side][hit[side]]]
+            good = np.bincount(network.curve_of[hit[side]], other[to], minlength=m)
+            meets[side] = good >= least * np.diff(network.offsets)
+        source, target = source & meets[0], target & meets[1]
+    return np.flatnonzero(source), np.flatnonzero(target)
+
+
+def _grouped(found):
+    """Groups of places of one thing, from motions with the curves they start from and lead to, best first."""
+    groups, where = [], {}
+
+    def add(group, motion, members):
+        groups[group].append((motion, list(members)))
+        where.update({k: (group, len(groups[group]) - 1) for k in members})
+
+    for motion, source, target in found:
+        at, to = ({where[k] for k in side if k in where} for side in (source, target))
+        if not at and not to:
+            groups.append([])
+            add(len(groups) - 1, np.eye(4), source)
+            add(len(groups) - 1, motion, target)
+        elif len(at) == 1 and not to:
+            group, place = at.pop()
+            add(group, motion @ groups[group][place][0], target)
+        elif len(to) == 1 and not at:
+            group, place = to.pop()
+            add(group, inverse(motion) @ groups[group][place][0], source)
+    return groups

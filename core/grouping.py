@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Curves that are seen in the same cells belong together (section 5.2)."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from .drafts import Draft, explained_samples, seen_share
+from .network import CurveNetwork
+
+CHANCE_SEEN = 0.15
+"""Share of a curve that clutter seems to show at a place where the curve does not occur."""
+
+
+def group(network: CurveNetwork, draft: Draft, free, *, radius):
+    """Split the curves of a draft into templates: curves that occur in the same cells belong together.
+
+    Parameters
+    ----------
+    free : (n,) bool, samples that nothing explains yet
+    radius : edge lengths, within which a sample shows a curve
+
+    Returns
+    -------
+    drafts : list of Draft, the longest first; free : (n,) bool, without the samples that they explain
+
+    Notes
+    -----
+    A sample is evidence once: what a group explains is taken away before the next one is looked for.
+    """
+    out, rest = [], draft
+    while rest.curves:
+        evidence = seen_share(network, rest.curves, rest.poses, radius=radius, free=free)
+        member, cells = _largest_group(evidence, rest.lengths, CHANCE_SEEN)
+        left = np.setdiff1d(np.arange(len(rest.curves)), member)
+        if len(cells) >= 2:
+            one = replace(rest, evidence=evidence).part(member, cells)
+            out.append(one)
+            free = free & ~explained_samples(network, one, radius=radius, rivals=rest.part(left))
+        rest = rest.part(left)
+    return out, free
+
+
+def _largest_group(evidence, length, chance):
+    """Members (indices) and cells of the set of curves that occur together with the longest curve.
+
+    The longest curve says where to look first. A curve joins when it is seen in those cells about as often as the
+    members are, and not in others; with the members' evidence the cells are found anew.
+    """
+    member = np.zeros(len(length), bool)
+    member[np.argmax(length)] = True
+    seen_before = None
+    for _ in range(6):
+        share = evidence[:, member] @ length[member] / length[member].sum()
+        level = np.median(np.sort(share)[::-1][: max(2, int((share > 2 * chance).sum()))])
+        cells = share > chance + _least_share(level) * max(level - chance, 0)
+        if cells.sum() < 2 or (seen_before is not None and (cells == seen_before).all()):
+            break
+        seen_before = cells
+        typical = float(share[cells].mean())
+        inside = evidence[cells].mean(axis=0)
+        outside = np.maximum(evidence[~cells] - chance, 0).sum(axis=0)
+        within = np.maximum(evidence[cells] - chance, 0).sum(axis=0)
+        now = (inside > 0.4 * typical) & (within >= 0.7 * (within + outside))
+        now[np.argmax(length)] = True
+        member = now
+    return np.flatnonzero(member), np.flatnonzero(cells)
+
+
+def _least_share(level):
+    """Share of what a full cell shows that makes a cell an occurrence: the more is seen, the more is asked for."""
+    return float(np.clip(level - 0.3, 0.35, 0.55))
