@@ -15,7 +15,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components, dijkstra
 from scipy.spatial import cKDTree
 
-from .linking import bend_of_ends, continuations, join_images, join_paths, split_at_corners
+from .linking import bend_of_ends, continuations, join_paths, split_at_corners
 from .network import resample_polyline, smooth_polyline
 from .traversal import find_passages, part_shared
 
@@ -165,24 +165,19 @@ def _longest_shortest_path(graph):
     return np.array(path)
 
 
-def fit_curves(paths, points, tangents, weight, run, *, trails=None, images=(), radius=1.5, smoothing=1.0):
+def fit_curves(paths, points, tangents, weight, run, *, trails=None, radius=1.5, smoothing=1.0):
     """Smooth curves along paths through the points, one edge length between their samples.
 
     run : (n,) int64, the same for points that follow each other on one input curve, which are in its order
     trails : points, tangents and runs of all input curves of the cell, which tell what continues what; None takes
         the points that the curves are fitted to
 
-    Pieces that continue each other are joined first, then those that continue each other in a neighbouring cell,
-    which `images` (p, 4, 4) lead to; a path whose ends meet is closed.
+    Pieces that continue each other are joined first; a path whose ends meet is closed.
     Returns a list of (k, 3) points and a list of bool.
     """
     curves, closed = [], []
     pieces = [piece for path in paths for piece in split_at_corners(_even(path))]
     joined = _join_across(pieces, trails or (points, tangents, run))
-    if len(images):
-        whole = join_images([p for p, ring in joined if not ring], images)
-        joined = join_paths(whole) + [(p, ring) for p, ring in joined if ring]
-        points, tangents, weight, run = _with_images(points, tangents, weight, run, images)
     joined = [
         (resample_polyline(path, 1.0, ring), ring)
         for path, ring in joined
@@ -248,15 +243,6 @@ def _join_across(pieces, trails, *, short=10.0, gap=14.0, cover=2.5):
 
 def _dense(path, ring):
     return resample_polyline(path, 1.0, ring)
-
-
-def _with_images(points, tangents, weight, run, images):
-    """Points with their images in the neighbouring cells, for curves that reach into those."""
-    moved = [points @ m[:3, :3].T + m[:3, 3] for m in images]
-    turned = [tangents @ m[:3, :3].T for m in images]
-    many = len(images) + 1
-    runs = (run + np.arange(many)[:, None] * (run.max() + 1)).ravel()
-    return np.concatenate([points, *moved]), np.concatenate([tangents, *turned]), np.tile(weight, many), runs
 
 
 def _even(path):

@@ -18,9 +18,9 @@ from .drafts import Draft, directions
 from .network import CurveNetwork, resample_polyline, smooth_polyline
 from .orbits import Orbit
 
-GAP, TURN, FOLLOW = 4.0, 0.85, 6.0
-"""Edge lengths and cosine within which a piece goes on as its own image, and edge lengths over which a course follows
-the samples: no two cells of a real building are quite the same."""
+GAP, TURN, FOLLOW, MOSTLY = 4.0, 0.85, 6.0, 0.5
+"""Edge lengths and cosine within which a piece goes on as its own image, edge lengths over which a course follows the
+samples (no two cells of a real building are quite the same), and the share of a course that samples must show."""
 
 
 @dataclass(frozen=True)
@@ -110,7 +110,7 @@ def _shown_parts(network, tree, samples, path, ring, step, radius, shortest):
         parts = [(path[a : b + 1], False, seen[a : b + 1]) for a, b in bounds]
     courses = []
     for line, closed, shown in parts:
-        if shown.sum() < shortest:
+        if shown.sum() < shortest or shown.mean() < MOSTLY:
             continue
         for _ in range(2):
             line = pull(

@@ -12,39 +12,105 @@ from .consolidation import condense, fit_curves, trace_curves
 from .drafts import Draft, directions, seen_share
 from .network import CurveNetwork
 from .overlay import Overlay, agreement, chance_shifts, fold_poses
-from .rigid import best_rotation, motion
+from .rigid import best_rotation, inverse, motion
 
 CHANCE_SHARE = 0.1
 """Largest share of the agreeing samples that chance may explain."""
 
 
 def consolidate(
-    network: CurveNetwork, overlay: Overlay, transformation: int, *, epsilon, images=(), progress=None
+    network: CurveNetwork, overlay: Overlay, transformation: int, *, epsilon, orbit=None, wide=None, progress=None
 ) -> Draft:
     """The curves on which the occurrences of an overlay agree.
 
     A sample is kept when enough other occurrences show it: as many as leave only `CHANCE_SHARE` to chance, which
     is what is left when the occurrences are shifted against each other.
+
+    Parameters
+    ----------
+    orbit, wide : of cells side by side, the orbit and the overlay with wide margins. Curves are made in the cell
+        and its margins, so that none ends where cells meet, and one is kept of those that the orbit takes onto
+        each other.
     """
     weight = network.weights[overlay.sample] * overlay.inner
     count, mean = agreement(overlay, radius=1.25 * epsilon, progress=progress)
     shifts = chance_shifts(overlay)
     wrong, _ = agreement(overlay, radius=1.25 * epsilon, shifts=shifts)
     least = least_agreement(count, wrong, weight)
-    keep = (count >= least) & overlay.inner
     cells = np.ones(len(overlay.poses), bool)
-    empty = Draft([], [], overlay.poses, overlay.keys, np.zeros((len(overlay.poses), 0)), transformation, cells)
-    if not keep.any():
-        return empty
-    points, tangents = condense(mean[keep], overlay.tangents[keep], weight[keep], radius=1.0 * epsilon)
-    curves, closed = fit_curves(
-        trace_curves(points, tangents), mean[keep], tangents, weight[keep], overlay.run[keep],
-        trails=(mean, overlay.tangents, overlay.run), images=images,
-    )  # fmt: skip
+    curves, closed = [], []
+    if wide is None:
+        keep = (count >= least) & overlay.inner
+        if keep.any():
+            curves, closed, _ = _clean(overlay, mean, keep, network.weights, epsilon)
+    else:
+        count, mean = _carried(overlay, wide, count, mean)
+        keep = count >= least
+        if (keep & wide.inner).any():
+            curves, closed, points = _clean(wide, mean, keep, network.weights, epsilon)
+            curves, closed = one_of_each(curves, closed, orbit, points, wide.inner[keep])
     if not curves:
-        return empty
+        nothing = np.zeros((len(overlay.poses), 0))
+        return Draft([], [], overlay.poses, overlay.keys, nothing, transformation, cells)
     evidence = seen_share(network, curves, overlay.poses, radius=1.25 * epsilon)
     return Draft(curves, closed, overlay.poses, overlay.keys, evidence, transformation, cells)
+
+
+def _clean(overlay, mean, keep, weights, epsilon):
+    """Clean curves through the samples of an overlay that are kept, and where those were moved."""
+    weight = weights[overlay.sample[keep]]
+    points, tangents = condense(mean[keep], overlay.tangents[keep], weight, radius=1.0 * epsilon)
+    curves, closed = fit_curves(
+        trace_curves(points, tangents), mean[keep], tangents, weight, overlay.run[keep],
+        trails=(mean, overlay.tangents, overlay.run),
+    )  # fmt: skip
+    return curves, closed, points
+
+
+def _carried(overlay: Overlay, wide: Overlay, count, mean):
+    """Agreement and mean places of the samples of an overlay for their copies in one with wider margins."""
+    inner = np.flatnonzero(overlay.inner)
+    twin = np.full(wide.sample.max() + 1, -1)
+    twin[overlay.sample[inner]] = inner
+    twin = twin[wide.sample]
+    way = inverse(wide.poses)[wide.cell] @ overlay.poses[overlay.cell[twin]]
+    return count[twin], np.einsum("nij,nj->ni", way[:, :3, :3], mean[twin]) + way[:, :3, 3]
+
+
+def one_of_each(curves, closed, orbit, points, inner, *, radius=2.5, covered=0.6):
+    """Of curves in a cell and its margins, one of those that the orbit takes onto each other; whole ones first.
+
+    points : (n, 3) float64, what the curves run through; inner : (n,) bool, in the cell itself
+    """
+    if not curves:
+        return [], []
+    near = [cKDTree(points).query(c)[1] for c in curves]
+    own = np.array([inner[k].sum() for k in near])
+    steps = np.stack(np.meshgrid(*[(-1, 0, 1)] * len(orbit.twists), indexing="ij"), -1).reshape(-1, len(orbit.twists))
+    images = orbit.power(steps)
+    out, rings, shown = [], [], np.zeros((0, 3))
+    for k in sorted(range(len(curves)), key=lambda k: (-(len(curves[k]) // 4), -own[k])):
+        if not own[k]:
+            continue
+        if len(shown) and (cKDTree(shown).query(curves[k])[0] < radius).mean() > covered:
+            continue
+        curve = curves[k] if closed[k] else one_period(curves[k], orbit)
+        out.append(curve)
+        rings.append(closed[k])
+        copies = curve @ np.swapaxes(images[:, :3, :3], 1, 2) + images[:, None, :3, 3]
+        shown = np.concatenate([shown, copies.reshape(-1, 3)])
+    return out, rings
+
+
+def one_period(curve, orbit, *, gap=4.0, cosine=0.85):
+    """A curve that runs on as its own image, cut to the stretch up to where that begins; others as they are."""
+    way = directions(curve)
+    for g in np.concatenate([orbit.generators, inverse(orbit.generators)]):
+        start, lead = g[:3, :3] @ curve[0] + g[:3, 3], g[:3, :3] @ way[0]
+        at = int(np.argmin(np.linalg.norm(curve - start, axis=1)))
+        if at >= 3 and np.linalg.norm(curve[at] - start) < gap and lead @ way[at] > cosine:
+            return curve[: at + 1]
+    return curve
 
 
 def least_agreement(count, wrong, weight):

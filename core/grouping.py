@@ -64,6 +64,8 @@ def _largest_group(evidence, length, chance):
         outside = np.maximum(evidence[~cells] - chance, 0).sum(axis=0)
         within = np.maximum(evidence[cells] - chance, 0).sum(axis=0)
         now = (inside > 0.4 * typical) & (within >= 0.7 * (within + outside))
+        # A hole hides a curve here and there, not in most of the cells.
+        now &= np.median(evidence[cells], axis=0) > chance
         now[np.argmax(length)] = True
         member = now
     return np.flatnonzero(member), np.flatnonzero(cells)

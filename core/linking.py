@@ -115,59 +115,6 @@ def bend_of_ends(paths, a, b):
     return bend(*(paths[e // 2][:: 1 - 2 * (e % 2)][:ARM] for e in (a, b)))
 
 
-def join_images(paths, images, *, gap=8.0, angle=35.0):
-    """Join paths of a cell across its border, where the image of one under a neighbour's motion goes on.
-
-    Parameters
-    ----------
-    paths : list of (k, 3) float64, open
-    images : (p, 4, 4) float64, motions to the neighbouring cells, each with its inverse
-
-    Returns
-    -------
-    list of (k, 3), the joined paths and those that were not joined. A path that its own image continues runs
-    through all cells and stays as it is.
-    """
-    if not paths:
-        return []
-    tip = np.concatenate([[p[0], p[-1]] for p in paths])
-    way = np.concatenate([[_outward(p), _outward(p[::-1])] for p in paths])
-    arms = [arm for p in paths for arm in (p[:ARM], p[::-1][:ARM])]
-    rows = []
-    tree = cKDTree(tip)
-    for m, motion in enumerate(images):
-        r, t = motion[:3, :3], motion[:3, 3]
-        near = tree.query_ball_point(tip @ r.T + t, gap)
-        b = np.repeat(np.arange(len(tip)), [len(k) for k in near])
-        a = np.array([k for ball in near for k in ball], np.int64)
-        if not len(a):
-            continue
-        moved = [arms[k] @ r.T + t for k in b]
-        cost = continuation_cost(tip[a], way[a], [arms[k] for k in a], tip[b] @ r.T + t, way[b] @ r.T, moved, angle)
-        rows += [(c, int(i), int(j), m) for c, i, j in zip(cost, a, b) if np.isfinite(c)]
-    partner, power = np.full(len(tip), -1), {}
-    for _, a, b, m in sorted(rows):
-        if partner[a] < 0 and partner[b] < 0 and a != b:
-            partner[a], partner[b] = b, a
-            power[a], power[b] = images[m], np.linalg.inv(images[m])
-    endless = partner // 2 == np.arange(len(tip)) // 2
-    partner[endless] = -1
-    out, used = [], np.zeros(len(paths), bool)
-    for i in range(len(paths)):
-        if used[i]:
-            continue
-        chain, _ = _chain(i, partner)
-        used[[end // 2 for end in chain]] = True
-        motion, parts = np.eye(4), []
-        for k, end in enumerate(chain):
-            path = paths[end // 2] if end % 2 == 0 else paths[end // 2][::-1]
-            parts.append(path @ motion[:3, :3].T + motion[:3, 3])
-            if k + 1 < len(chain):
-                motion = motion @ power[end ^ 1]
-        out.append(np.concatenate(parts))
-    return out
-
-
 PASSED = 2
 """Fewest curves that must lead from one end to another for both to be known as one curve."""
 

@@ -64,13 +64,15 @@ class Search:
         """
         more = {"threads": self.screen.threads, "tick": self.screen.tick, "still": None}
         fine = Screen(self.network, pattern, radius=self.screen.radius, field=self.screen.field, **more)
-        typical = np.median(shown(fine, poses, free)[0])
+        owner, known_by = self._owner(pattern, poses)
+        typical = np.median(shown(fine, poses, free | known_by)[0])
+        free = free & ~known_by
         known = poses[:: max(1, len(poses) // 20)]
         beside = perturbed(np.repeat(known, max(1, 40 // len(known)), axis=0), pattern.points.std(axis=0))
         wide = {"radius": 2 * self.screen.radius, "field": self.wide, **more}
         coarse = Screen(self.network, pattern, stride=2, stretch=6.0, **wide)
         floor = np.quantile(shown(fine, fitted(fine, fitted(coarse, beside, free, 2), free, 2), free)[0], 0.9)
-        tries = self._candidates(pattern, poses, free)
+        tries = self._candidates(pattern, poses, owner, free)
         if not len(tries):
             return tries
         rough = shown(coarse, tries, free)[0]
@@ -80,19 +82,26 @@ class Search:
         _, lead = np.unique(group_motions(tries[order], 6.0, 4.0), return_index=True)
         tries = tries[order[np.sort(lead)[:REFINED]]]
         tries = fitted(fine, fitted(coarse, tries, free, 4), free, 2)
-        share, stiff = shown(fine, tries, free)
-        good = (share >= max(SEEN * typical, OVER_CHANCE * floor)) & (stiff >= STIFF)
+        least = max(SEEN * typical, OVER_CHANCE * floor)
         found = np.zeros((0, 4, 4))
-        for k in np.argsort(-share, kind="stable"):
-            if good[k] and not share_place(pattern.points, tries[k : k + 1], np.concatenate([poses, found]))[0]:
-                found = np.concatenate([found, tries[k : k + 1]])
+        share, stiff = shown(fine, tries, free)
+        while len(tries):
+            keep = (share >= least) & (stiff >= STIFF)
+            tries, share = tries[keep], share[keep]
+            if not len(tries):
+                break
+            best = tries[np.argmax(share)][None]
+            found = np.concatenate([found, best])
+            tries = tries[~share_place(pattern.points, tries, best)]
+            # A sample is evidence for one occurrence only.
+            free = free & ~self._owner(pattern, best)[1]
+            share, stiff = shown(fine, tries, free)
         return found
 
-    def _candidates(self, pattern, poses, free):
+    def _candidates(self, pattern, poses, owner, free):
         """Poses (k, 4, 4) to which matches of what shows the pattern lead, best first, none at a known place."""
-        owner, explained = self._owner(pattern, poses)
         source, target = self.votes.pair.T
-        new = np.bincount(self.network.curve_of, free & ~explained) > 0.5 * np.diff(self.network.offsets)
+        new = np.bincount(self.network.curve_of, free) > 0.5 * np.diff(self.network.offsets)
         there = np.flatnonzero((owner[source] >= 0) & new[target])
         back = np.flatnonzero((owner[target] >= 0) & new[source])
         motions = np.concatenate([self.votes.motions[there], inverse(self.votes.motions[back])])

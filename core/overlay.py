@@ -36,16 +36,20 @@ class Overlay:
     keys: np.ndarray
 
 
-def fold_orbit(network: CurveNetwork, orbit: Orbit, samples, weight, *, margin=10.0) -> Overlay:
+def fold_orbit(network: CurveNetwork, orbit: Orbit, samples, weight, *, margin=10.0, share=None) -> Overlay:
     """Overlay of the cells of an orbit.
 
     Parameters
     ----------
     samples : (k,) int64, samples that take part, ascending
     weight : (k,) float64, how much each says about where the cells begin: the cut goes where least is cut
+    margin : edge lengths around each cell that are copied with it, at most 0.3 of a cell
+    share : share of a cell, at most 1, that is copied instead
     """
     points = network.points[samples]
     u, reach = cell_coordinates(orbit, points, margin)
+    if share is not None:
+        reach = np.full(u.shape, share)
     follows = (np.diff(samples) == 1) & (np.diff(network.curve_of[samples]) == 0)
     u = u - best_cut(u, weight, follows)
     low = np.floor(u).astype(np.int64)

@@ -21,6 +21,9 @@ from .orbits import Orbit
 from .overlay import fold_orbit
 from .support import Screen, long_stretches
 
+MARGIN = {1: 0.5, 2: 0.35}
+"""Share of a cell of an orbit with so many generators in which curves may reach over its border and stay whole."""
+
 FEW, ROUNDS = 4, 2
 """Occurrences below which those found later may change the curves, and rounds of looking for more of them."""
 
@@ -70,7 +73,12 @@ class _Maker:
         if draft is None or not draft.curves:
             return
         if orbit.kind != "single":
-            draft = self._without_courses(orbit, draft)
+            draft, found = self._without_courses(orbit, draft)
+            if found:
+                # A course that lay on other curves when folded has bent them: without it they are made anew.
+                draft = self._cells(orbit, k, step)
+                if draft is None or not draft.curves:
+                    return
         found, left = group(self.network, draft, self.free, radius=self.radius)
         for one in found:
             if orbit.kind == "single" and not self._holds(one):
@@ -87,10 +95,10 @@ class _Maker:
         use = np.flatnonzero(own & self.free)
         if len(use) < 2:
             return None
-        overlay = fold_orbit(self.network, orbit, use, self.model.hits[k][use].astype(float))
-        unit = np.eye(len(orbit.twists), dtype=np.int64)
-        images = orbit.power(np.concatenate([unit, -unit]))
-        return consolidate(self.network, overlay, k, epsilon=self.epsilon, images=images, progress=step)
+        weight = self.model.hits[k][use].astype(float)
+        overlay = fold_orbit(self.network, orbit, use, weight)
+        wide = fold_orbit(self.network, orbit, use, weight, share=MARGIN[len(orbit.twists)])
+        return consolidate(self.network, overlay, k, epsilon=self.epsilon, orbit=orbit, wide=wide, progress=step)
 
     def _without_courses(self, orbit, draft):
         found, taken = find_courses(
@@ -101,7 +109,7 @@ class _Maker:
             shown_by = ~along(self.network, course.points, directions(course.points), self.radius)[0]
             self.free &= shown_by
             self.beside_courses &= shown_by
-        return draft.part(np.setdiff1d(np.arange(len(draft.curves)), taken))
+        return draft.part(np.setdiff1d(np.arange(len(draft.curves)), taken)), bool(found)
 
     def _single(self, orbit: Orbit, k, step):
         """A draft of what one motion maps: its own two places, and all others where it is found."""

@@ -73,13 +73,16 @@ def _steps(pieces, points, tangents, run, radius, cosine):
     # Stretches of samples on one piece, as long as the run stays on it.
     fresh = np.ones(len(sample), bool)
     fresh[1:] = (np.diff(piece) != 0) | (np.diff(run) != 0) | (np.diff(sample) > PASSAGE)
+    # A run over the two ends of one piece, which belong together, jumps from one to the other.
+    fresh[1:] |= np.abs(np.diff(at)) > PASSAGE
     first = np.flatnonzero(fresh)
     last = np.append(first[1:], len(sample)) - 1
     steady = last - first + 1 >= np.minimum(STEADY, size[piece[first]])
     first, last = first[steady], last[steady]
     a, b = np.arange(len(first) - 1), np.arange(1, len(first))
     goes_on = run[last[a]] == run[first[b]]
-    goes_on &= (sample[first[b]] - sample[last[a]] <= PASSAGE) & (piece[first[a]] != piece[first[b]])
+    goes_on &= (sample[first[b]] - sample[last[a]] <= PASSAGE)
+    goes_on &= (piece[first[a]] != piece[first[b]]) | (np.abs(at[first[b]] - at[last[a]]) > PASSAGE)
     a, b = a[goes_on], b[goes_on]
     out = _end_towards(at, piece, size, first[a], last[a])
     into = _end_towards(at, piece, size, last[b], first[b])
