@@ -24,7 +24,7 @@ def consolidate(
     """The curves on which the occurrences of an overlay agree.
 
     A sample is kept when enough other occurrences show it: as many as leave only `CHANCE_SHARE` to chance, which
-    is what is left when the occurrences are shifted against each other.
+    is what is left when the occurrences are shifted against each other (see `agreed`).
 
     Parameters
     ----------
@@ -36,16 +36,15 @@ def consolidate(
     count, mean = agreement(overlay, radius=1.25 * epsilon, progress=progress)
     shifts = chance_shifts(overlay)
     wrong, _ = agreement(overlay, radius=1.25 * epsilon, shifts=shifts)
-    least = least_agreement(count, wrong, weight)
+    enough = agreed(count, least_agreement(count, wrong, weight), overlay.run)
     cells = np.ones(len(overlay.poses), bool)
     curves, closed = [], []
     if wide is None:
-        keep = (count >= least) & overlay.inner
+        keep = enough & overlay.inner
         if keep.any():
             curves, closed, _ = _clean(overlay, mean, keep, network.weights, epsilon)
     else:
-        count, mean = _carried(overlay, wide, count, mean)
-        keep = count >= least
+        keep, mean = _carried(overlay, wide, enough, mean)
         if (keep & wide.inner).any():
             curves, closed, points = _clean(wide, mean, keep, network.weights, epsilon)
             curves, closed = one_of_each(curves, closed, orbit, points, wide.inner[keep])
@@ -67,14 +66,14 @@ def _clean(overlay, mean, keep, weights, epsilon):
     return curves, closed, points
 
 
-def _carried(overlay: Overlay, wide: Overlay, count, mean):
-    """Agreement and mean places of the samples of an overlay for their copies in one with wider margins."""
+def _carried(overlay: Overlay, wide: Overlay, keep, mean):
+    """Which are kept, and mean places, of the samples of an overlay for their copies in one with wider margins."""
     inner = np.flatnonzero(overlay.inner)
     twin = np.full(wide.sample.max() + 1, -1)
     twin[overlay.sample[inner]] = inner
     twin = twin[wide.sample]
     way = inverse(wide.poses)[wide.cell] @ overlay.poses[overlay.cell[twin]]
-    return count[twin], np.einsum("nij,nj->ni", way[:, :3, :3], mean[twin]) + way[:, :3, 3]
+    return keep[twin], np.einsum("nij,nj->ni", way[:, :3, :3], mean[twin]) + way[:, :3, 3]
 
 
 def one_of_each(curves, closed, orbit, points, inner, *, radius=2.5, covered=0.6):
@@ -111,6 +110,19 @@ def one_period(curve, orbit, *, gap=4.0, cosine=0.85):
         if at >= 3 and np.linalg.norm(curve[at] - start) < gap and lead @ way[at] > cosine:
             return curve[: at + 1]
     return curve
+
+
+def agreed(count, least, run):
+    """(n,) bool, samples that enough occurrences agree on: `least`, or half of that along a run that has `least`.
+
+    Holes are in other places in each occurrence. Where several coincide fewer show the curve; that it goes on there
+    is known from its being one curve.
+    """
+    low = count >= max(1, (least + 1) // 2)
+    fresh = np.r_[True, (np.diff(run) != 0) | (np.diff(low.astype(np.int8)) != 0)]
+    stretch = np.cumsum(fresh) - 1
+    strong = np.bincount(stretch, count >= least) > 0
+    return low & strong[stretch]
 
 
 def least_agreement(count, wrong, weight):

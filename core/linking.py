@@ -60,6 +60,10 @@ def match_ends(tip, way, arms, size, gap, angle, passed=None, forced=()):
     inwards; size : samples of each path, whose ends are 2 i and 2 i + 1
     """
     pair = cKDTree(tip).query_pairs(gap, output_type="ndarray").reshape(-1, 2)
+    if passed is not None:
+        known = np.argwhere(np.triu(passed >= PASSED))
+        known = known[np.linalg.norm(tip[known[:, 0]] - tip[known[:, 1]], axis=1) < FAR]
+        pair = np.unique(np.concatenate([pair, known]), axis=0)
     i, j = pair.T
     # A path closes on itself only if it is much longer than the gap.
     length = np.linalg.norm(tip[j] - tip[i], axis=1)
@@ -115,8 +119,9 @@ def bend_of_ends(paths, a, b):
     return bend(*(paths[e // 2][:: 1 - 2 * (e % 2)][:ARM] for e in (a, b)))
 
 
-PASSED = 2
-"""Fewest curves that must lead from one end to another for both to be known as one curve."""
+PASSED, FAR = 2, 20.0
+"""Fewest curves that must lead from one end to another for both to be known as one curve, and the longest gap (edge
+lengths) that is closed then."""
 
 ARM = 9
 """Samples of an end that say how it goes on."""

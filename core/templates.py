@@ -19,6 +19,7 @@ from .network import CurveNetwork
 from .occurrences import STIFF, Pattern, Search, shown
 from .orbits import Orbit
 from .overlay import fold_orbit
+from .sublattices import sublattice
 from .support import Screen, long_stretches
 
 MARGIN = {1: 0.5, 2: 0.35}
@@ -69,25 +70,44 @@ class _Maker:
         self.report(begin)
         orbit = self.model.orbits[k]
         step = lambda f: self.report(begin + 0.6 * width * f)  # noqa: E731
-        draft = self._single(orbit, k, step) if orbit.kind == "single" else self._cells(orbit, k, step)
+        if orbit.kind == "single":
+            draft = self._single(orbit, k, step)
+            if draft is not None and draft.curves:
+                found, left = group(self.network, draft, self.free, radius=self.radius)
+                self._add([one for one in found if self._holds(one)], left)
+        else:
+            self._orbit(orbit, k, step)
+
+    def _orbit(self, orbit: Orbit, k, step):
+        """Templates and courses of the cells of an orbit, and of its sub-lattices."""
+        draft = self._cells(orbit, k, step)
         if draft is None or not draft.curves:
             return
-        if orbit.kind != "single":
-            draft, found = self._without_courses(orbit, draft)
-            if found:
-                # A course that lay on other curves when folded has bent them: without it they are made anew.
-                draft = self._cells(orbit, k, step)
-                if draft is None or not draft.curves:
-                    return
+        draft, found = self._without_courses(orbit, draft)
+        if found:
+            # A course that lay on other curves when folded has bent them: without it they are made anew.
+            draft = self._cells(orbit, k, step)
+            if draft is None or not draft.curves:
+                return
         found, left = group(self.network, draft, self.free, radius=self.radius)
+        most = max((len(one.poses) for one in found), default=0)
+        self._add([one for one in found if 2 * len(one.poses) > most], left)
+        # What only few cells show may be seen better under a power of the generators.
+        finer = sublattice(orbit, self.screen, self.free, shortest=self.l0)
+        if finer is not None:
+            self._orbit(finer, k, step)
         for one in found:
-            if orbit.kind == "single" and not self._holds(one):
-                continue
+            if 2 * len(one.poses) <= most:
+                self._add(*group(self.network, one, self.free, radius=self.radius))
+
+    def _add(self, found, left):
+        """Take drafts up with all their occurrences; `left` are the samples that none of them explains."""
+        for one in found:
             for whole in self._everywhere(one, left):
                 self.drafts.append(whole)
                 explained = explained_samples(self.network, whole, radius=self.radius)
                 self.free &= ~explained
-                left &= ~explained
+                left = left & ~explained
 
     def _cells(self, orbit: Orbit, k, step):
         # What slips along this orbit may have been given to another one, but is shown by it all the same.
