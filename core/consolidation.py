@@ -175,24 +175,25 @@ def fit_curves(paths, points, tangents, weight, run, *, trails=None, radius=1.5,
     Pieces that continue each other are joined first; a path whose ends meet is closed.
     Returns a list of (k, 3) points and a list of bool.
     """
-    curves, closed = [], []
     pieces = [piece for path in paths for piece in split_at_corners(_even(path))]
     joined = _join_across(pieces, trails or (points, tangents, run))
-    joined = [
-        (resample_polyline(path, 1.0, ring), ring)
-        for path, ring in joined
-        if np.linalg.norm(np.diff(path, axis=0), axis=1).sum() >= SHORTEST
-    ]
-    share = own_points([smooth_polyline(line, smoothing, ring) for line, ring in joined], points, tangents, run,
-                       radius=radius + 0.5)  # fmt: skip
-    for (line, ring), own in zip(joined, share):
-        line = smooth_polyline(line, smoothing, ring)
+    joined = [(p, ring) for p, ring in joined if np.linalg.norm(np.diff(p, axis=0), axis=1).sum() >= SHORTEST]
+    closed = [ring for _, ring in joined]
+    lines = [smooth_polyline(resample_polyline(path, 1.0, ring), smoothing, ring) for path, ring in joined]
+    return settle(lines, closed, points, tangents, weight, run, radius=radius, smoothing=smoothing), closed
+
+
+def settle(lines, closed, points, tangents, weight, run, *, radius=1.5, smoothing=1.0):
+    """Lines moved onto the middle of the points along them, smooth and one edge length between their samples.
+
+    run : (n,) int64, the same for points that follow each other on one input curve
+    """
+    out = []
+    for line, ring, own in zip(lines, closed, own_points(lines, points, tangents, run, radius=radius + 0.5)):
         for _ in range(2):
             line = pull(line, points[own], tangents[own], weight[own], radius, ring)
-        line = resample_polyline(smooth_polyline(line, smoothing, ring), 1.0, ring)
-        curves.append(line)
-        closed.append(ring)
-    return curves, closed
+        out.append(resample_polyline(smooth_polyline(line, smoothing, ring), 1.0, ring))
+    return out
 
 
 def own_points(lines, points, tangents, run, *, radius, cosine=0.75, most=0.8):

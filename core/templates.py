@@ -19,6 +19,7 @@ from .network import CurveNetwork
 from .occurrences import STIFF, Pattern, Search, shown
 from .orbits import Orbit
 from .overlay import fold_orbit
+from .polishing import fit_orbit, fit_to_samples
 from .sublattices import sublattice
 from .support import Screen, long_stretches
 
@@ -58,6 +59,7 @@ class _Maker:
         self.free = np.ones(len(network.points), bool)
         self.beside_courses = self.free.copy()
         self.drafts: list[Draft] = []
+        self.orbits: dict[int, Orbit] = {}
         self.courses: list[Course] = []
         self.progress = progress or (lambda stage, fraction: None)
 
@@ -80,15 +82,13 @@ class _Maker:
 
     def _orbit(self, orbit: Orbit, k, step):
         """Templates and courses of the cells of an orbit, and of its sub-lattices."""
-        draft = self._cells(orbit, k, step)
-        if draft is None or not draft.curves:
+        orbit, draft = self._cells(orbit, k, step)
+        if not draft.curves:
             return
         draft, found = self._without_courses(orbit, draft)
         if found:
             # A course that lay on other curves when folded has bent them: without it they are made anew.
-            draft = self._cells(orbit, k, step)
-            if draft is None or not draft.curves:
-                return
+            orbit, draft = self._cells(orbit, k, step)
         found, left = group(self.network, draft, self.free, radius=self.radius)
         most = max((len(one.poses) for one in found), default=0)
         self._add([one for one in found if 2 * len(one.poses) > most], left)
@@ -110,15 +110,21 @@ class _Maker:
                 left = left & ~explained
 
     def _cells(self, orbit: Orbit, k, step):
+        """The orbit, fitted to its cells, and a draft of what they agree on."""
         # What slips along this orbit may have been given to another one, but is shown by it all the same.
         own = np.isin(self.model.of_curve, (-1, k))[self.network.curve_of] | (self.model.hits[k] >= 2)
         use = np.flatnonzero(own & self.free)
+        nothing = Draft([], [], np.zeros((0, 4, 4)), np.zeros((0, len(orbit.twists))), np.zeros((0, 0)), k, np.zeros(0))
         if len(use) < 2:
-            return None
+            return orbit, nothing
         weight = self.model.hits[k][use].astype(float)
         overlay = fold_orbit(self.network, orbit, use, weight)
         wide = fold_orbit(self.network, orbit, use, weight, share=MARGIN[len(orbit.twists)])
-        return consolidate(self.network, overlay, k, epsilon=self.epsilon, orbit=orbit, wide=wide, progress=step)
+        draft = consolidate(self.network, overlay, k, epsilon=self.epsilon, orbit=orbit, wide=wide, progress=step)
+        orbit, draft = fit_orbit(self.network, orbit, draft, use, radius=self.radius)
+        draft = fit_to_samples(self.network, draft, use, radius=self.radius)
+        self.orbits.setdefault(k, orbit)
+        return orbit, draft
 
     def _without_courses(self, orbit, draft):
         found, taken = find_courses(
