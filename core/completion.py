@@ -7,7 +7,7 @@ import numpy as np
 
 from .courses import Course
 from .drafts import Draft, along, directions, placed
-from .network import CurveNetwork
+from .network import CurveNetwork, steady_polyline
 from .strong import keeps_alone
 from .values import CompletedCurve, Completion, InputClasses, Template, Transformation
 
@@ -37,7 +37,9 @@ def build_completion(
     inputs.component[network.source] = np.where(recurs, label, -1)
     strong = tuple(CompletedCurve(network.to_world(c.points), c.closed, -1, c.support) for c in courses)
     strong += tuple(
-        CompletedCurve(network.to_world(network.curve(i)), bool(network.closed[i]), -1, 1.0)
+        CompletedCurve(
+            network.to_world(steady_polyline(network.curve(i), bool(network.closed[i]))), bool(network.closed[i]), -1, 1.0
+        )
         for i in np.flatnonzero(alone & ~recurs & ~passing)
     )
     transformations = tuple(_transformation(network, model, k, i, drafts) for k, i in place.items())

@@ -15,7 +15,7 @@ from scipy.spatial import cKDTree
 
 from .consolidation import pull
 from .drafts import Draft, directions
-from .network import CurveNetwork, resample_polyline, smooth_polyline
+from .network import CurveNetwork, resample_polyline, smooth_polyline, steady_polyline
 from .orbits import Orbit
 
 GAP, TURN, FOLLOW, MOSTLY = 4.0, 0.85, 6.0, 0.5
@@ -117,7 +117,7 @@ def _shown_parts(network, tree, samples, path, ring, step, radius, shortest):
                 line, network.points[samples], network.tangents[samples], network.weights[samples], radius, closed,
                 spread=FOLLOW,
             )  # fmt: skip
-        line = resample_polyline(smooth_polyline(line, 1.0, closed), 1.0, closed)
+        line = steady_polyline(resample_polyline(line, 1.0, closed), closed)
         courses.append(Course(line, closed, float(shown.mean())))
     return courses
 

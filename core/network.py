@@ -208,14 +208,17 @@ def _resample(curves: Curves, step: float):
     return points, offsets.astype(np.int64), closed[kept], kept
 
 
-def _smooth(points, offsets, closed, sigma):
+def _smooth(points, offsets, closed, sigma, order=2):
     """Points smoothed along each curve, bends kept. Open ends stay.
 
-    With G the Gaussian mean, 2 G - G^2 leaves every parabola as it is; G alone would shrink a circle of radius r
-    by sigma^2 / (2 r).
+    With G the Gaussian mean, 1 - (1 - G)^2 = 2 G - G^2 leaves every parabola as it is; G alone would shrink a circle
+    of radius r by sigma^2 / (2 r). Each order more keeps two degrees more.
     """
-    once = _gaussian_mean(points, offsets, closed, sigma)
-    return 2 * once - _gaussian_mean(once, offsets, closed, sigma)
+    smooth, left = np.zeros_like(points), points
+    for _ in range(order):
+        mean = _gaussian_mean(left, offsets, closed, sigma)
+        smooth, left = smooth + mean, left - mean
+    return smooth
 
 
 def _gaussian_mean(points, offsets, closed, sigma):
@@ -280,6 +283,24 @@ def resample_polyline(points, step, closed):
     return _resample(one, step)[0]
 
 
-def smooth_polyline(points, sigma, closed):
-    """(k, 3) float64, Gaussian mean of a polyline's points, `sigma` samples wide; ends stay."""
-    return _smooth(points, np.array([0, len(points)]), np.array([closed]), sigma) if sigma > 0 else points
+def smooth_polyline(points, sigma, closed, order=2):
+    """(k, 3) float64, a polyline smoothed over about `sigma` samples, bends kept; ends stay."""
+    if sigma <= 0:
+        return points
+    return _smooth(points, np.array([0, len(points)]), np.array([closed]), sigma, order)
+
+
+def steady_polyline(points, closed, *, off=0.6, most=1.5, widest=24.0):
+    """(k, 3) float64, a polyline with samples one edge apart, smoothed as far as it stays what it is.
+
+    What is seen once has no other occurrence to average with. It is smoothed over 3, 6, 12, ... samples as long as
+    that moves it by at most `off` on average (RMS) and `most` anywhere: noise does not need more, a corner does.
+    """
+    best, sigma = points, 3.0
+    while sigma <= min(widest, len(points) / 3):
+        line = smooth_polyline(points, sigma, closed, order=3)
+        way = np.linalg.norm(line - points, axis=1)
+        if np.sqrt((way**2).mean()) > off or way.max() > most:
+            break
+        best, sigma = line, 2 * sigma
+    return best

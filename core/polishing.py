@@ -18,9 +18,10 @@ from .network import CurveNetwork
 from .orbits import Orbit
 from .rigid import exponential, inverse
 
-SHOWN, ROUNDS, SCALE = 0.3, 4, 0.7
-"""Share of a curve that an occurrence must show to have a say, steps of Gauss and Newton, and the distance (edge
-lengths) from which on a sample counts less (Geman and McClure)."""
+SHOWN, ROUNDS, SCALE, WEAK = 0.3, 4, 0.7, 0.02
+"""Share of a curve that an occurrence must show to have a say, steps of Gauss and Newton, the distance (edge lengths)
+from which on a sample counts less (Geman and McClure), and the relative singular value below which the samples say
+too little of a combination of parameters to change it."""
 
 
 def fit_orbit(network: CurveNetwork, orbit: Orbit, draft: Draft, samples, *, radius) -> tuple[Orbit, Draft]:
@@ -67,6 +68,10 @@ def fit_orbit(network: CurveNetwork, orbit: Orbit, draft: Draft, samples, *, rad
         twists = _moved_twists(orbit, twists, step[: twists.size])
         base = exponential(step[None, twists.size :])[0] @ base
         reach = max(1.0, 0.7 * reach)
+    moved = exponential(draft.keys @ twists) @ base
+    way = np.einsum("nij,nj->ni", (moved - draft.poses)[cell, :3, :3], points) + (moved - draft.poses)[cell, :3, 3]
+    if np.quantile(np.linalg.norm(way, axis=1), 0.9) > 2 * radius:
+        return orbit, draft
     orbit = replace(orbit, twists=twists)
     curves = [c @ base[:3, :3].T + base[:3, 3] for c in draft.curves]
     return orbit, replace(draft, curves=curves, poses=orbit.power(draft.keys))
@@ -94,7 +99,7 @@ def _step(orbit, twists, base, keys, points, at, across, gap, weight, small=1e-5
         columns.append(np.einsum("nij,nj->ni", across, way / small) * np.sqrt(weight)[:, None])
     jacobian = np.stack(columns, axis=-1).reshape(-1, twists.size + 6)
     scale = np.maximum(np.linalg.norm(jacobian, axis=0), 1e-9)
-    step = np.linalg.lstsq(jacobian / scale, (gap * np.sqrt(weight)[:, None]).ravel(), rcond=1e-6)[0]
+    step = np.linalg.lstsq(jacobian / scale, (gap * np.sqrt(weight)[:, None]).ravel(), rcond=WEAK)[0]
     return step / scale
 
 

@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 
 from .copies import unite
 from .courses import Course, find_courses
-from .drafting import consolidate, consolidate_places
+from .drafting import consolidate, consolidate_places, refined_poses
 from .drafts import Draft, along, directions, explained_samples, seen_share
 from .grouping import group
 from .network import CurveNetwork
@@ -80,22 +80,22 @@ class _Maker:
         else:
             self._orbit(orbit, k, step)
 
-    def _orbit(self, orbit: Orbit, k, step):
-        """Templates and courses of the cells of an orbit, and of its sub-lattices."""
-        orbit, draft = self._cells(orbit, k, step)
+    def _orbit(self, orbit: Orbit, k, step, known=False):
+        """Templates and courses of the cells of an orbit, whose generators may be well known, and of its sub-lattices."""
+        orbit, draft = self._cells(orbit, k, step, known)
         if not draft.curves:
             return
         draft, found = self._without_courses(orbit, draft)
         if found:
             # A course that lay on other curves when folded has bent them: without it they are made anew.
-            orbit, draft = self._cells(orbit, k, step)
+            orbit, draft = self._cells(orbit, k, step, known)
         found, left = group(self.network, draft, self.free, radius=self.radius)
         most = max((len(one.poses) for one in found), default=0)
         self._add([one for one in found if 2 * len(one.poses) > most], left)
         # What only few cells show may be seen better under a power of the generators.
         finer = sublattice(orbit, self.screen, self.free, shortest=self.l0)
         if finer is not None:
-            self._orbit(finer, k, step)
+            self._orbit(finer, k, step, known=True)
         for one in found:
             if 2 * len(one.poses) <= most:
                 self._add(*group(self.network, one, self.free, radius=self.radius))
@@ -104,12 +104,25 @@ class _Maker:
         """Take drafts up with all their occurrences; `left` are the samples that none of them explains."""
         for one in found:
             for whole in self._everywhere(one, left):
+                whole = self._settled(whole, left)
                 self.drafts.append(whole)
                 explained = explained_samples(self.network, whole, radius=self.radius)
                 self.free &= ~explained
                 left = left & ~explained
 
-    def _cells(self, orbit: Orbit, k, step):
+    def _settled(self, draft: Draft, left):
+        """The draft with the poses that are no cells of an orbit, and then its curves, fitted to the samples."""
+        if draft.orbital.all():
+            return draft
+        free = left | explained_samples(self.network, draft, radius=self.radius) & self.free
+        for _ in range(ROUNDS):
+            poses = refined_poses(self.network, draft, free, radius=self.radius)
+            draft = replace(draft, poses=np.where(draft.orbital[:, None, None], draft.poses, poses))
+            draft = fit_to_samples(self.network, draft, np.flatnonzero(free), radius=self.radius)
+        evidence = seen_share(self.network, draft.curves, draft.poses, radius=self.radius, free=free)
+        return replace(draft, evidence=evidence)
+
+    def _cells(self, orbit: Orbit, k, step, known):
         """The orbit, fitted to its cells, and a draft of what they agree on."""
         # What slips along this orbit may have been given to another one, but is shown by it all the same.
         own = np.isin(self.model.of_curve, (-1, k))[self.network.curve_of] | (self.model.hits[k] >= 2)
@@ -121,7 +134,8 @@ class _Maker:
         overlay = fold_orbit(self.network, orbit, use, weight)
         wide = fold_orbit(self.network, orbit, use, weight, share=MARGIN[len(orbit.twists)])
         draft = consolidate(self.network, overlay, k, epsilon=self.epsilon, orbit=orbit, wide=wide, progress=step)
-        orbit, draft = fit_orbit(self.network, orbit, draft, use, radius=self.radius)
+        if not known:
+            orbit, draft = fit_orbit(self.network, orbit, draft, use, radius=self.radius)
         draft = fit_to_samples(self.network, draft, use, radius=self.radius)
         self.orbits.setdefault(k, orbit)
         return orbit, draft
