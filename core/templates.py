@@ -42,8 +42,13 @@ def extract_templates(network: CurveNetwork, model, votes, clusters, screen: Scr
     drafts : list of Draft; courses : list of Course
     """
     maker = _Maker(network, model, votes, clusters, screen, parameters, progress)
-    for k in range(len(model.orbits)):
-        maker.take(k)
+    # What stands in an orbit is known best, and must not be taken for a poor occurrence of something else.
+    single = [orbit.kind == "single" for orbit in model.orbits]
+    for k in np.argsort(single, kind="stable"):
+        if single[k] and not maker.searched:
+            maker.search_all()
+        maker.take(int(k))
+    maker.search_all()
     maker.report(0.8)
     return unite(network, maker.drafts, maker.beside_courses, parameters, threads=screen.threads), maker.courses
 
@@ -60,6 +65,8 @@ class _Maker:
         self.beside_courses = self.free.copy()
         self.drafts: list[Draft] = []
         self.orbits: dict[int, Orbit] = {}
+        self.taken = 0
+        self.searched = 0
         self.courses: list[Course] = []
         self.progress = progress or (lambda stage, fraction: None)
 
@@ -68,15 +75,20 @@ class _Maker:
 
     def take(self, k):
         """Templates and courses of transformation k of the model."""
-        begin, width = 0.8 * k / len(self.model.orbits), 0.8 / len(self.model.orbits)
+        begin, width = 0.8 * self.taken / len(self.model.orbits), 0.8 / len(self.model.orbits)
         self.report(begin)
+        self.taken += 1
         orbit = self.model.orbits[k]
         step = lambda f: self.report(begin + 0.6 * width * f)  # noqa: E731
         if orbit.kind == "single":
             draft = self._single(orbit, k, step)
             if draft is not None and draft.curves:
                 found, left = group(self.network, draft, self.free, radius=self.radius)
-                self._add([one for one in found if self._holds(one)], left)
+                for one in found:
+                    if self._holds(one):
+                        for whole in self._everywhere(one, left):
+                            left = self._add(whole, left)
+                self.searched = len(self.drafts)
         else:
             self._orbit(orbit, k, step)
 
@@ -91,30 +103,40 @@ class _Maker:
             orbit, draft = self._cells(orbit, k, step, known)
         found, left = group(self.network, draft, self.free, radius=self.radius)
         most = max((len(one.poses) for one in found), default=0)
-        self._add([one for one in found if 2 * len(one.poses) > most], left)
+        for one in found:
+            if 2 * len(one.poses) > most:
+                self._add(one, left)
         # What only few cells show may be seen better under a power of the generators.
         finer = sublattice(orbit, self.screen, self.free, shortest=self.l0)
         if finer is not None:
             self._orbit(finer, k, step, known=True)
-        for one in found:
-            if 2 * len(one.poses) <= most:
-                self._add(*group(self.network, one, self.free, radius=self.radius))
+        for few in found:
+            if 2 * len(few.poses) <= most:
+                for one in group(self.network, few, self.free, radius=self.radius)[0]:
+                    self._add(one, self.free)
 
-    def _add(self, found, left):
-        """Take drafts up with all their occurrences; `left` are the samples that none of them explains."""
-        for one in found:
-            for whole in self._everywhere(one, left):
-                whole = self._settled(whole, left)
-                self.drafts.append(whole)
-                explained = explained_samples(self.network, whole, radius=self.radius)
-                self.free &= ~explained
-                left = left & ~explained
+    def search_all(self):
+        """Look for the templates of orbits in what is left; those with most occurrences first."""
+        mine = self.drafts[self.searched :]
+        self.drafts = self.drafts[: self.searched]
+        for draft in mine:
+            for whole in self._everywhere(draft, self.free):
+                self._add(whole, self.free)
+        self.searched = len(self.drafts)
+
+    def _add(self, draft, left):
+        """Take a draft up; of the samples `left` those that it does not explain are returned."""
+        draft = self._settled(draft, left)
+        self.drafts.append(draft)
+        explained = explained_samples(self.network, draft, radius=self.radius)
+        self.free &= ~explained
+        return left & ~explained
 
     def _settled(self, draft: Draft, left):
         """The draft with the poses that are no cells of an orbit, and then its curves, fitted to the samples."""
         if draft.orbital.all():
             return draft
-        free = left | explained_samples(self.network, draft, radius=self.radius) & self.free
+        free = left | explained_samples(self.network, draft, radius=self.radius)
         for _ in range(ROUNDS):
             poses = refined_poses(self.network, draft, free, radius=self.radius)
             draft = replace(draft, poses=np.where(draft.orbital[:, None, None], draft.poses, poses))
@@ -170,10 +192,12 @@ class _Maker:
         """Whether what is seen of a draft holds its poses: a straight line or a ring alone is at home anywhere."""
         pattern = _pattern(self.network, draft)
         probe = Screen(self.network, pattern, radius=self.radius, still=None, threads=self.screen.threads)
-        return np.median(shown(probe, draft.poses, self.free)[1]) >= STIFF
+        return np.median(shown(probe, draft.poses, np.ones_like(self.free))[1]) >= STIFF
 
     def _everywhere(self, draft: Draft, free):
         """The draft with all its occurrences; where it had few, its curves are made anew from all of them."""
+        if not self._holds(draft):
+            return [draft]
         for _ in range(ROUNDS):
             pattern = _pattern(self.network, draft)
             poses = self.search.find(pattern, draft.poses, free)
@@ -182,7 +206,7 @@ class _Maker:
             few = len(draft.poses) < FEW
             draft = _with_poses(draft, poses)
             if few:
-                mine = free | explained_samples(self.network, draft, radius=self.radius) & self.free
+                mine = free | explained_samples(self.network, draft, radius=self.radius)
                 new = consolidate_places(
                     self.network, draft.poses, pattern.points, draft.transformation, mine, epsilon=self.epsilon
                 )
