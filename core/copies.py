@@ -10,11 +10,11 @@ from scipy.spatial import cKDTree
 
 from .blast import feature_blast
 from .clustering import cluster_votes
-from .drafting import consolidate_places
 from .drafts import Draft, explained_samples, placed, seen_share
 from .grouping import group
 from .network import CurveNetwork, build_network
 from .occurrences import share_place
+from .polishing import settled
 from .rigid import inverse
 from .support import Screen, long_stretches
 from .values import Curves
@@ -42,19 +42,10 @@ def unite(network: CurveNetwork, drafts: list[Draft], free, parameters, *, threa
     )
     united = []
     for places in groups:
-        poses, region = [], []
-        for place, members in places:
-            back = np.linalg.inv(place)
-            region += [lines[k] @ back[:3, :3].T + back[:3, 3] for k in members]
-            source = drafts[items[members[0]][0]]
-            poses.append(source.poses @ np.linalg.inv(source.poses[0]) @ place)
-        poses, region = np.concatenate(poses), np.concatenate(region)
-        poses = _one_a_place(network, poses, region, epsilon)
-        most = max({items[k][0] for _, members in places for k in members}, key=lambda d: len(drafts[d].poses))
-        draft = consolidate_places(network, poses, region, drafts[most].transformation, free, epsilon=epsilon)
+        used = [items[k] for _, members in places for k in members]
+        draft = _whole(network, drafts, items, lines, places, free, epsilon)
         new, _ = group(network, draft, free, radius=1.25 * epsilon)
         # What was explained by the parts must be explained by the whole.
-        used = [items[k] for _, members in places for k in members]
         before = [drafts[d].part([c for e, c in used if e == d]) for d in sorted({d for d, _ in used})]
         if _explained_length(network, new, epsilon) >= 0.97 * _explained_length(network, before, epsilon):
             united += new
@@ -63,14 +54,42 @@ def unite(network: CurveNetwork, drafts: list[Draft], free, parameters, *, threa
     return united + [left for draft in drafts if (left := _uncovered(draft, united, 1.25 * epsilon)) is not None]
 
 
-def _one_a_place(network, poses, region, epsilon):
-    """The poses (a, 4, 4) without those that put the region (n, 3) where another one does, which shows it better."""
-    share = seen_share(network, [region], poses, radius=1.25 * epsilon)[:, 0]
+def _whole(network, drafts, items, lines, places, free, epsilon):
+    """One draft of what is at several places: the longest version of its curves, with the occurrences of all."""
+    place, members = max(places, key=lambda entry: sum(len(lines[k]) for k in entry[1]))
+    back = inverse(place)
+    curves = [lines[k] @ back[:3, :3].T + back[:3, 3] for k in members]
+    closed = [drafts[d].closed[c] for d, c in (items[k] for k in members)]
+    owners = [items[members[0]][0] for _, members in places]
+    sources = [drafts[d] for d in owners]
+    most = max(sources, key=lambda source: len(source.poses))
+    poses = [source.poses @ inverse(source.poses[0]) @ place for source, (place, _) in zip(sources, places)]
+    cells = [
+        (source.keys, source.orbital)
+        if source.transformation == most.transformation
+        else (np.zeros((len(source.poses), most.keys.shape[1]), np.int64), np.zeros(len(source.poses), bool))
+        for source in sources
+    ]
+    keys, orbital = (np.concatenate(x) for x in zip(*cells))
+    # Cells of one place move together: all of them tell where that place is. Others stand alone.
+    together = np.repeat(np.arange(len(places)), [len(p) for p in poses])
+    together = np.where(orbital, together, len(places) + np.arange(len(together)))
+    poses = np.concatenate(poses)
+    evidence = seen_share(network, curves, poses, radius=1.25 * epsilon, free=free)
+    draft = Draft(curves, closed, poses, keys, evidence, most.transformation, orbital)
+    kept = _one_a_place(draft)
+    return settled(network, draft.part(cells=kept), free, radius=1.25 * epsilon, together=together[kept])
+
+
+def _one_a_place(draft):
+    """The occurrences (k,) without those that lie where another one does, which shows the curves better."""
+    region = np.concatenate(draft.curves)
+    share = draft.evidence @ draft.lengths
     kept = []
     for k in np.argsort(-share, kind="stable"):
-        if not kept or not share_place(region, poses[k : k + 1], poses[kept])[0]:
+        if not share_place(region, draft.poses[k : k + 1], draft.poses[kept])[0]:
             kept.append(int(k))
-    return poses[sorted(kept)]
+    return np.array(sorted(kept))
 
 
 def _explained_length(network, drafts, epsilon):

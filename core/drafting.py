@@ -148,30 +148,39 @@ def consolidate_places(network, poses, region, transformation, free, *, epsilon,
     return draft
 
 
-def refined_poses(network: CurveNetwork, draft: Draft, free, *, radius, rounds=3):
+def refined_poses(network: CurveNetwork, draft: Draft, free, *, radius, together=None, rounds=3):
     """Poses moved so that the draft's curves lie on the samples that show them; ICP, across the curves only.
+
+    together : (a,) int64, occurrences of the same number keep their places to each other; None moves each alone
 
     An occurrence that shows too little to hold it stays where it is.
     """
     points = np.concatenate(draft.curves)
-    tangents = np.concatenate([directions(c) for c in draft.curves])
+    lines = np.concatenate([directions(c) for c in draft.curves])
     samples = np.flatnonzero(free)
-    tree = cKDTree(network.points[samples])
     poses = draft.poses.copy()
-    for a in range(len(poses)):
+    if not len(samples):
+        return poses
+    tree = cKDTree(network.points[samples])
+    together = np.arange(len(poses)) if together is None else together
+    for number in np.unique(together):
+        mine = np.flatnonzero(together == number)
         for _ in range(rounds):
-            r, t = poses[a, :3, :3], poses[a, :3, 3]
-            moved, lines = points @ r.T + t, tangents @ r.T
+            # Samples are taken back into the template's frame, where all occurrences speak of one motion.
+            moved = points @ np.swapaxes(poses[mine, :3, :3], 1, 2) + poses[mine, None, :3, 3]
             distance, near = tree.query(moved, distance_upper_bound=radius)
             hit = np.isfinite(distance)
             near = samples[np.where(hit, near, 0)]
-            hit &= np.abs((network.tangents[near] * lines).sum(1)) > 0.8
+            way = lines @ np.swapaxes(poses[mine, :3, :3], 1, 2)
+            hit &= np.abs((network.tangents[near] * way).sum(-1)) > 0.8
             if hit.sum() < 30:
                 break
-            offset = network.points[near] - moved
-            offset -= lines * (offset * lines).sum(1)[:, None]
-            target = moved[hit] + offset[hit]
-            mean_a, mean_b = points[hit].mean(0), target.mean(0)
-            turn, _ = best_rotation(((target - mean_b).T @ (points[hit] - mean_a) + 1e-3 * r)[None])
-            poses[a] = motion(turn[0], mean_b - turn[0] @ mean_a)
+            a, k = np.nonzero(hit)
+            back = inverse(poses[mine])[a]
+            offset = np.einsum("nij,nj->ni", back[:, :3, :3], network.points[near[a, k]]) + back[:, :3, 3] - points[k]
+            offset -= lines[k] * (offset * lines[k]).sum(1)[:, None]
+            target = points[k] + offset
+            mean_a, mean_b = points[k].mean(0), target.mean(0)
+            turn, _ = best_rotation(((target - mean_b).T @ (points[k] - mean_a) + 1e-3 * np.eye(3))[None])
+            poses[mine] = poses[mine] @ motion(turn[0], mean_b - turn[0] @ mean_a)
     return poses

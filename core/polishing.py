@@ -13,7 +13,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from .consolidation import settle
-from .drafts import Draft, directions
+from .drafting import refined_poses
+from .drafts import Draft, directions, seen_share
 from .network import CurveNetwork
 from .orbits import Orbit
 from .rigid import exponential, inverse
@@ -115,6 +116,23 @@ def _moved_twists(orbit, twists, change):
         axis = new[:, :3] / np.linalg.norm(new[:, :3])
         new[:, 3:] -= axis * (axis * new[:, 3:]).sum(axis=1, keepdims=True)
     return new
+
+
+def settled(network: CurveNetwork, draft: Draft, free, *, radius, together=None, rounds=2) -> Draft:
+    """A draft whose poses, and then its curves, are fitted to the free samples (n,) bool.
+
+    together : (a,) int64, occurrences of the same number move as one; None leaves the cells of an orbit where they
+        are and moves each of the others alone
+    """
+    if together is None and draft.orbital.all():
+        return draft
+    for _ in range(rounds):
+        poses = refined_poses(network, draft, free, radius=radius, together=together)
+        if together is None:
+            poses = np.where(draft.orbital[:, None, None], draft.poses, poses)
+        draft = replace(draft, poses=poses)
+        draft = fit_to_samples(network, draft, np.flatnonzero(free), radius=radius)
+    return replace(draft, evidence=seen_share(network, draft.curves, draft.poses, radius=radius, free=free))
 
 
 def fit_to_samples(network: CurveNetwork, draft: Draft, samples, *, radius) -> Draft:

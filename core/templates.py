@@ -12,14 +12,14 @@ from scipy.spatial import cKDTree
 
 from .copies import unite
 from .courses import Course, find_courses
-from .drafting import consolidate, consolidate_places, refined_poses
+from .drafting import consolidate, consolidate_places
 from .drafts import Draft, along, directions, explained_samples, seen_share
 from .grouping import group
 from .network import CurveNetwork
 from .occurrences import STIFF, Pattern, Search, shown
 from .orbits import Orbit
 from .overlay import fold_orbit
-from .polishing import fit_orbit, fit_to_samples
+from .polishing import fit_orbit, fit_to_samples, settled
 from .sublattices import sublattice
 from .support import Screen, long_stretches
 
@@ -85,7 +85,7 @@ class _Maker:
             if draft is not None and draft.curves:
                 found, left = group(self.network, draft, self.free, radius=self.radius)
                 for one in found:
-                    if self._holds(one):
+                    if self._is_thing(one):
                         for whole in self._everywhere(one, left):
                             left = self._add(whole, left)
                 self.searched = len(self.drafts)
@@ -102,12 +102,13 @@ class _Maker:
             # A course that lay on other curves when folded has bent them: without it they are made anew.
             orbit, draft = self._cells(orbit, k, step, known)
         found, left = group(self.network, draft, self.free, radius=self.radius)
+        found = [one for one in found if len(one.poses) >= FEW or self._is_thing(one)]
         most = max((len(one.poses) for one in found), default=0)
         for one in found:
             if 2 * len(one.poses) > most:
                 self._add(one, left)
         # What only few cells show may be seen better under a power of the generators.
-        finer = sublattice(orbit, self.screen, self.free, shortest=self.l0)
+        finer = sublattice(orbit, self.screen, self.free & self._own(k), shortest=self.l0)
         if finer is not None:
             self._orbit(finer, k, step, known=True)
         for few in found:
@@ -126,28 +127,19 @@ class _Maker:
 
     def _add(self, draft, left):
         """Take a draft up; of the samples `left` those that it does not explain are returned."""
-        draft = self._settled(draft, left)
+        free = left | explained_samples(self.network, draft, radius=self.radius)
+        draft = settled(self.network, draft, free, radius=self.radius)
         self.drafts.append(draft)
         explained = explained_samples(self.network, draft, radius=self.radius)
         self.free &= ~explained
         return left & ~explained
 
-    def _settled(self, draft: Draft, left):
-        """The draft with the poses that are no cells of an orbit, and then its curves, fitted to the samples."""
-        if draft.orbital.all():
-            return draft
-        free = left | explained_samples(self.network, draft, radius=self.radius)
-        for _ in range(ROUNDS):
-            poses = refined_poses(self.network, draft, free, radius=self.radius)
-            draft = replace(draft, poses=np.where(draft.orbital[:, None, None], draft.poses, poses))
-            draft = fit_to_samples(self.network, draft, np.flatnonzero(free), radius=self.radius)
-        evidence = seen_share(self.network, draft.curves, draft.poses, radius=self.radius, free=free)
-        return replace(draft, evidence=evidence)
-
     def _cells(self, orbit: Orbit, k, step, known):
         """The orbit, fitted to its cells, and a draft of what they agree on."""
         # What slips along this orbit may have been given to another one, but is shown by it all the same.
-        own = np.isin(self.model.of_curve, (-1, k))[self.network.curve_of] | (self.model.hits[k] >= 2)
+        own = self._own(k)
+        if not known:
+            own = own | (self.model.hits[k] >= 2)
         use = np.flatnonzero(own & self.free)
         nothing = Draft([], [], np.zeros((0, 4, 4)), np.zeros((0, len(orbit.twists))), np.zeros((0, 0)), k, np.zeros(0))
         if len(use) < 2:
@@ -194,6 +186,14 @@ class _Maker:
         probe = Screen(self.network, pattern, radius=self.radius, still=None, threads=self.screen.threads)
         return np.median(shown(probe, draft.poses, np.ones_like(self.free))[1]) >= STIFF
 
+    def _own(self, k):
+        """(n,) bool, samples of the curves that the model gives to transformation k, or to none."""
+        return np.isin(self.model.of_curve, (-1, k))[self.network.curve_of]
+
+    def _is_thing(self, draft: Draft):
+        """Whether a draft is more than a stretch that looks alike at a few places."""
+        return draft.lengths.sum() >= self.l0 and self._holds(draft)
+
     def _everywhere(self, draft: Draft, free):
         """The draft with all its occurrences; where it had few, its curves are made anew from all of them."""
         if not self._holds(draft):
@@ -211,7 +211,7 @@ class _Maker:
                     self.network, draft.poses, pattern.points, draft.transformation, mine, epsilon=self.epsilon
                 )
                 new, _ = group(self.network, new, mine, radius=self.radius)
-                new = [one for one in new if self._holds(one)]
+                new = [one for one in new if self._is_thing(one)]
                 if not new:
                     return []
                 if len(new) > 1:
