@@ -25,7 +25,19 @@ def unite(network: CurveNetwork, drafts: list[Draft], free, parameters, *, threa
     """Drafts in which curves that are rigid copies of each other are one template with the occurrences of all.
 
     free : (n,) bool, samples that may show them
+
+    A template of two pairs of things becomes one pair first, and then one thing.
     """
+    for _ in range(4):
+        united = _united(network, drafts, free, parameters, threads)
+        if united is drafts:
+            break
+        drafts = united
+    return drafts
+
+
+def _united(network, drafts, free, parameters, threads):
+    """The drafts after one round, or just the given ones where nothing is a copy of anything."""
     p, epsilon = parameters, parameters.epsilon
     items = [(d, c) for d, draft in enumerate(drafts) for c in range(len(draft.curves))]
     if len(items) < 2:

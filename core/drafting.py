@@ -17,6 +17,9 @@ from .rigid import best_rotation, inverse, motion
 CHANCE_SHARE = 0.1
 """Largest share of the agreeing samples that chance may explain."""
 
+FEW = 3
+"""Occurrences up to which a curve is also taken from a single one, if most of it is agreed on."""
+
 
 def consolidate(
     network: CurveNetwork, overlay: Overlay, transformation: int, *, epsilon, orbit=None, wide=None, progress=None
@@ -36,7 +39,7 @@ def consolidate(
     count, mean = agreement(overlay, radius=1.25 * epsilon, progress=progress)
     shifts = chance_shifts(overlay)
     wrong, _ = agreement(overlay, radius=1.25 * epsilon, shifts=shifts)
-    enough = agreed(count, least_agreement(count, wrong, weight), overlay.run)
+    enough = agreed(count, least_agreement(count, wrong, weight), overlay.run, few=len(overlay.poses) <= FEW)
     cells = np.ones(len(overlay.poses), bool)
     curves, closed = [], []
     if wide is None:
@@ -112,17 +115,22 @@ def one_period(curve, orbit, *, gap=4.0, cosine=0.85):
     return curve
 
 
-def agreed(count, least, run):
+def agreed(count, least, run, few=False):
     """(n,) bool, samples that enough occurrences agree on: `least`, or half of that along a run that has `least`.
 
     Holes are in other places in each occurrence. Where several coincide fewer show the curve; that it goes on there
-    is known from its being one curve.
+    is known from its being one curve. Of `few` occurrences each shows what the others miss: there a run that is
+    mostly agreed on is taken as a whole.
     """
     low = count >= max(1, (least + 1) // 2)
     fresh = np.r_[True, (np.diff(run) != 0) | (np.diff(low.astype(np.int8)) != 0)]
     stretch = np.cumsum(fresh) - 1
     strong = np.bincount(stretch, count >= least) > 0
-    return low & strong[stretch]
+    keep = low & strong[stretch]
+    if few:
+        _, run = np.unique(run, return_inverse=True)
+        keep |= (np.bincount(run, keep) >= 0.5 * np.bincount(run))[run]
+    return keep
 
 
 def least_agreement(count, wrong, weight):
