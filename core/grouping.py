@@ -30,17 +30,33 @@ def group(network: CurveNetwork, draft: Draft, free, *, radius):
     -----
     A sample is evidence once: what a group explains is taken away before the next one is looked for.
     """
-    out, rest = [], draft
+    out, places, rest = [], [], draft
     while rest.curves:
         evidence = seen_share(network, rest.curves, rest.poses, radius=radius, free=free)
         member, cells = _largest_group(evidence, rest.lengths, CHANCE_SEEN)
         left = np.setdiff1d(np.arange(len(rest.curves)), member)
         if len(cells) >= 2:
             one = replace(rest, evidence=evidence).part(member, cells)
-            out.append(one)
+            whole = next((k for k, known in enumerate(places) if _same_cells(known, cells)), None)
+            if whole is None:
+                places.append(cells)
+                out.append(one)
+            else:
+                more = replace(rest, evidence=evidence).part(member, places[whole])
+                out[whole] = replace(
+                    out[whole],
+                    curves=out[whole].curves + more.curves,
+                    closed=out[whole].closed + more.closed,
+                    evidence=np.concatenate([out[whole].evidence, more.evidence], axis=1),
+                )
             free = free & ~explained_samples(network, one, radius=radius, rivals=rest.part(left))
         rest = rest.part(left)
     return out, free
+
+
+def _same_cells(known, cells, *, least=0.75):
+    """Whether a curve that is seen in `cells` belongs to what is seen in the known ones: holes hide it in the rest."""
+    return len(np.intersect1d(known, cells)) >= least * len(np.union1d(known, cells))
 
 
 def _largest_group(evidence, length, chance):

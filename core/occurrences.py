@@ -21,8 +21,8 @@ from .support import Screen, in_long_stretches
 APART, MOST, REFINED = 8.0, 4000, 200
 """Edge lengths between two occurrences, candidates that are looked at, and candidates that are refined."""
 
-SEEN, OVER_CHANCE, STIFF = 0.45, 1.3, 5.0
-"""Share of what the known occurrences show that another one must show, by what factor it must exceed what places
+SEEN, DOUBTFUL, OVER_CHANCE, STIFF = 0.45, 0.8, 1.3, 5.0
+"""Share of what the known occurrences show that another one must show, and below which one is tried again, by what factor it must exceed what places
 beside the known ones show, and what must hold its pose in the direction that is held least (edge lengths)."""
 
 
@@ -63,7 +63,7 @@ class Search:
         (b, 4, 4), best shown first; they share no place with each other or with the known ones
         """
         more = {"threads": self.screen.threads, "tick": self.screen.tick, "still": None}
-        fine = Screen(self.network, pattern, radius=self.screen.radius, field=self.screen.field, **more)
+        fine = self._fine(pattern)
         owner, known_by = self._owner(pattern, poses)
         typical = np.median(shown(fine, poses, free | known_by)[0])
         free = free & ~known_by
@@ -97,6 +97,39 @@ class Search:
             free = free & ~self._owner(pattern, best)[1]
             share, stiff = shown(fine, tries, free)
         return found
+
+    def reconsider(self, pattern: Pattern, poses, free):
+        """The known poses once more, and others, now that the pattern may have grown.
+
+        What was found by a part of the pattern may lie wrongly, half a turn off perhaps, where the whole of it does
+        not fit. Occurrences that show clearly less than the rest give way to better ones at their places.
+
+        Returns
+        -------
+        keep : (a,) bool, known poses that stay; found : (b, 4, 4), others
+        """
+        fine = self._fine(pattern)
+        known_by = self._owner(pattern, poses)[1]
+        share = shown(fine, poses, free | known_by)[0]
+        weak = share < DOUBTFUL * np.median(share)
+        weak[np.argsort(-share, kind="stable")[:2]] = False
+        sure_by = self._owner(pattern, poses[~weak])[1]
+        left = (free | known_by) & ~sure_by
+        found = self.find(pattern, poses[~weak], left)
+        better, keep = shown(fine, found, left)[0], np.ones(len(poses), bool)
+        for k in np.flatnonzero(weak):
+            at = share_place(pattern.points, found, poses[k : k + 1])
+            if at.any() and better[at].max() > share[k]:
+                keep[k] = False
+            elif at.any():
+                found, better = found[~at], better[~at]
+        return keep, found
+
+    def _fine(self, pattern):
+        return Screen(
+            self.network, pattern, radius=self.screen.radius, field=self.screen.field, still=None,
+            threads=self.screen.threads, tick=self.screen.tick,
+        )  # fmt: skip
 
     def _candidates(self, pattern, poses, owner, free):
         """Poses (k, 4, 4) to which matches of what shows the pattern lead, best first, none at a known place."""

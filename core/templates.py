@@ -26,7 +26,7 @@ from .support import Screen, long_stretches
 MARGIN = {1: 0.5, 2: 0.35}
 """Share of a cell of an orbit with so many generators in which curves may reach over its border and stay whole."""
 
-FEW, ROUNDS = 4, 2
+FEW, ROUNDS = 4, 5
 """Occurrences below which those found later may change the curves, and rounds of looking for more of them."""
 
 
@@ -198,28 +198,30 @@ class _Maker:
         """The draft with all its occurrences; where it had few, its curves are made anew from all of them."""
         if not self._holds(draft):
             return [draft]
+        alone = not draft.orbital.any() or len(draft.poses) < FEW
         for _ in range(ROUNDS):
             pattern = _pattern(self.network, draft)
-            poses = self.search.find(pattern, draft.poses, free)
-            if not len(poses):
-                return [draft]
-            few = len(draft.poses) < FEW
-            draft = _with_poses(draft, poses)
-            if few:
-                mine = free | explained_samples(self.network, draft, radius=self.radius)
-                new = consolidate_places(
-                    self.network, draft.poses, pattern.points, draft.transformation, mine, epsilon=self.epsilon
-                )
-                new, _ = group(self.network, new, mine, radius=self.radius)
-                new = [one for one in new if self._is_thing(one)]
-                if not new:
-                    return []
-                if len(new) > 1:
-                    return new
-                draft = new[0]
+            if alone:
+                keep, poses = self.search.reconsider(pattern, draft.poses, free)
+                draft = draft.part(cells=np.flatnonzero(keep))
             else:
+                poses = self.search.find(pattern, draft.poses, free)
+            if not len(poses):
+                break
+            draft = _with_poses(draft, poses)
+            if not alone:
                 evidence = seen_share(self.network, draft.curves, poses, radius=self.radius, free=free)
                 draft = replace(draft, evidence=np.concatenate([draft.evidence, evidence]))
+                continue
+            # What two places agree on is a part of the thing; all of them show the rest.
+            mine = free | explained_samples(self.network, draft, radius=self.radius)
+            new = consolidate_places(
+                self.network, draft.poses, pattern.points, draft.transformation, mine, epsilon=self.epsilon
+            )
+            new = [one for one in group(self.network, new, mine, radius=self.radius)[0] if self._is_thing(one)]
+            if len(new) != 1:
+                return new
+            draft = new[0]
         return [draft]
 
 
