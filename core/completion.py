@@ -7,7 +7,8 @@ import numpy as np
 
 from .courses import Course
 from .drafts import Draft, along, directions, placed
-from .network import CurveNetwork, steady_polyline
+from .linking import linked_paths
+from .network import CurveNetwork, resample_polyline, steady_polyline
 from .strong import keeps_alone
 from .values import CompletedCurve, Completion, InputClasses, Template, Transformation
 
@@ -27,7 +28,11 @@ def build_completion(
         network, l0=parameters.l0, keep_length=parameters.keep_length, keep_curvature=parameters.keep_curvature
     )
     recurs, passing = share >= 0.5, in_course >= 0.5
-    kind = np.where(recurs, "template", np.where(alone | passing, "strong", "noise"))
+    single = single_curves(network, ~recurs & ~passing, alone, parameters)
+    alone = passing.copy()
+    for _, _, members in single:
+        alone[members] = True
+    kind = np.where(recurs, "template", np.where(alone, "strong", "noise"))
     inputs = InputClasses(
         np.full(input_count, "noise", dtype="<U8"), np.full(input_count, -1), np.full(input_count, -1)
     )
@@ -37,13 +42,46 @@ def build_completion(
     inputs.component[network.source] = np.where(recurs, label, -1)
     strong = tuple(CompletedCurve(network.to_world(c.points), c.closed, -1, c.support) for c in courses)
     strong += tuple(
-        CompletedCurve(
-            network.to_world(steady_polyline(network.curve(i), bool(network.closed[i]))), bool(network.closed[i]), -1, 1.0
-        )
-        for i in np.flatnonzero(alone & ~recurs & ~passing)
+        CompletedCurve(network.to_world(steady_polyline(line, closed)), closed, -1, float(shown))
+        for line, closed, shown in (_over_gaps(network, *chain) for chain in single)
     )
     transformations = tuple(_transformation(network, model, k, i, drafts) for k, i in place.items())
     return Completion(network.unit, transformations, tuple(templates), strong, inputs, seconds, {})
+
+
+def single_curves(network: CurveNetwork, left, alone, parameters):
+    """Curves that do not recur and are kept (section 5.1), pieces that continue each other as one.
+
+    left : (m,) bool, curves that nothing explains; alone : (m,) bool, curves that are kept for themselves
+
+    Returns
+    -------
+    list of (points (k, 3), closed, list of int, the curves it is made of)
+    """
+    closed = [(network.curve(i), True, [int(i)]) for i in np.flatnonzero(left & alone & network.closed)]
+    pieces = np.flatnonzero(left & ~network.closed & (network.lengths >= SHORT * parameters.l0))
+    chains = linked_paths(
+        [network.curve(i) for i in pieces], gap=parameters.link_gap, angle=LINK_ANGLE, most=LINK_BEND, arm=LINK_ARM
+    )
+    chains = [(line, ring, pieces[members].tolist()) for line, ring, members in chains]
+    short = np.flatnonzero(left & ~network.closed & (network.lengths < SHORT * parameters.l0) & alone)
+    chains += [(network.curve(i), False, [int(i)]) for i in short]
+    return closed + [
+        chain
+        for chain in chains
+        if alone[chain[2]].any() or network.lengths[chain[2]].sum() > parameters.keep_length * parameters.l0
+    ]
+
+
+SHORT, LINK_ARM, LINK_ANGLE, LINK_BEND = 0.6, 25, 20.0, 1.0
+"""Shortest piece, in multiples of l0, that is linked with others, samples of its end that say how it goes on, largest
+angle (degrees), and largest distance of the two ends from a common parabola (edge lengths, RMS)."""
+
+
+def _over_gaps(network, points, closed, members):
+    """A chain with samples also in its gaps, and the share of it that was there before."""
+    line = resample_polyline(points, 1.0, closed)
+    return line, bool(closed), min(1.0, network.lengths[members].sum() / max(len(line) - 1, 1))
 
 
 def _template(network, draft, number, transformation, component):

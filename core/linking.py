@@ -7,13 +7,14 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 
-def join_paths(paths, *, gap=6.0, angle=35.0, passed=None, forced=()):
+def join_paths(paths, *, gap=6.0, angle=35.0, most=np.inf, passed=None, forced=()):
     """Join open paths end to end.
 
     Parameters
     ----------
     paths : list of (k, 3) float64, edge lengths
     gap : longest gap; angle : largest angle, in degrees, between an end's direction and the gap or the other end
+    most : largest `bend` of two arms
     passed : (2 p, 2 p) int64 or None, how many curves are known to lead from one end to the other
         (`traversal.Passages.pairs`, which may be of fewer paths, the first ones)
     forced : (k, 2) int64, ends that are joined before all others
@@ -23,35 +24,48 @@ def join_paths(paths, *, gap=6.0, angle=35.0, passed=None, forced=()):
     list of (points, closed), in the order of their first piece. Best fitting ends are joined first; an end is
     joined once. A path whose own ends fit becomes closed.
     """
+    return [(points, closed) for points, closed, _ in linked_paths(
+        paths, gap=gap, angle=angle, most=most, passed=passed, forced=forced
+    )]  # fmt: skip
+
+
+def linked_paths(paths, *, gap=6.0, angle=35.0, most=np.inf, passed=None, forced=(), arm=None):
+    """As `join_paths`, with the indices of the paths that each chain is made of: (points, closed, list of int).
+
+    arm : samples of an end that say how it goes on; more than `ARM` where noise hides it
+    """
     if not paths:
         return []
+    arm = ARM if arm is None else arm
     tip = np.concatenate([[p[0], p[-1]] for p in paths])
-    way = np.concatenate([[_outward(p), _outward(p[::-1])] for p in paths])
-    arms = [arm for p in paths for arm in (p[:ARM], p[::-1][:ARM])]
-    partner = match_ends(tip, way, arms, [len(p) for p in paths], gap, angle, passed, forced)
+    way = np.concatenate([[_outward(p, arm), _outward(p[::-1], arm)] for p in paths])
+    arms = [part for p in paths for part in (p[:arm], p[::-1][:arm])]
+    partner = match_ends(tip, way, arms, [len(p) for p in paths], gap, angle, most, passed, forced)
     out, used = [], np.zeros(len(paths), bool)
     for i in range(len(paths)):
         if used[i]:
             continue
         chain, closed = _chain(i, partner)
         used[[end // 2 for end in chain]] = True
-        out.append((np.concatenate([paths[e // 2] if e % 2 == 0 else paths[e // 2][::-1] for e in chain]), closed))
+        line = np.concatenate([paths[e // 2] if e % 2 == 0 else paths[e // 2][::-1] for e in chain])
+        out.append((line, closed, [e // 2 for e in chain]))
     return out
 
 
-def _outward(path):
+def _outward(path, length=None):
     """Direction in which a path leaves through its first point: the slope there of a parabola through the arm."""
-    arm = path[:ARM]
+    length = ARM if length is None else length
+    arm = path[:length]
     s = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(arm, axis=0), axis=1))])
     if len(arm) < 4 or s[-1] <= 0:
-        v = path[0] - path[min(len(path) - 1, ARM)]
+        v = path[0] - path[min(len(path) - 1, length)]
     else:
         basis = np.stack([np.ones_like(s), s, s * s], axis=1)
         v = -np.linalg.lstsq(basis, arm, rcond=None)[0][1]
     return v / max(np.linalg.norm(v), 1e-12)
 
 
-def match_ends(tip, way, arms, size, gap, angle, passed=None, forced=()):
+def match_ends(tip, way, arms, size, gap, angle, most=np.inf, passed=None, forced=()):
     """(e,) int64, the end that each end is joined to, or -1; a matching that takes the smoothest pairs first.
 
     Ends that curves are known to lead between come before all others, and may meet at any angle.
@@ -69,7 +83,7 @@ def match_ends(tip, way, arms, size, gap, angle, passed=None, forced=()):
     length = np.linalg.norm(tip[j] - tip[i], axis=1)
     fits = (i // 2 != j // 2) | (np.asarray(size)[i // 2] > 4 * np.maximum(length, 2))
     i, j = i[fits], j[fits]
-    cost = continuation_cost(tip[i], way[i], [arms[k] for k in i], tip[j], way[j], [arms[k] for k in j], angle)
+    cost = continuation_cost(tip[i], way[i], [arms[k] for k in i], tip[j], way[j], [arms[k] for k in j], angle, most)
     known = np.zeros(len(i), np.int64)
     if passed is not None:
         counted = (i < len(passed)) & (j < len(passed))
@@ -84,10 +98,11 @@ def match_ends(tip, way, arms, size, gap, angle, passed=None, forced=()):
     return partner
 
 
-def continuation_cost(tip_a, way_a, arms_a, tip_b, way_b, arms_b, angle):
+def continuation_cost(tip_a, way_a, arms_a, tip_b, way_b, arms_b, angle, most=np.inf):
     """(k,) float64, how badly ends continue each other; infinite where they do not.
 
-    Ends continue each other when both point across the gap and against each other, within `angle` degrees.
+    Ends continue each other when both point across the gap and against each other, within `angle` degrees, and their
+    arms `bend` by at most `most`.
     """
     across = tip_b - tip_a
     length = np.linalg.norm(across, axis=1)
@@ -98,7 +113,9 @@ def continuation_cost(tip_a, way_a, arms_a, tip_b, way_b, arms_b, angle):
     fits = (facing > limit) & ((length < 1.5) | ((out_a > limit) & (out_b > limit)))
     cost = np.full(len(length), np.inf)
     for k in np.flatnonzero(fits):
-        cost[k] = length[k] / 4 + 4 * bend(arms_a[k], arms_b[k])
+        bent = bend(arms_a[k], arms_b[k])
+        if bent <= most:
+            cost[k] = length[k] / 4 + 4 * bent
     return cost
 
 

@@ -44,7 +44,9 @@ class Parameters:
         1.0, FACTOR, "or above l0 and above this share of the mean curvature C (section 5.1)", 0
     )
     smoothing: float = _value(3.0, EDGES, "standard deviation of the smoothing along each curve", 0, 20)
-    link_gap: float = _value(6.0, EDGES, "largest gap over which pieces that continue each other are joined", 0, 100)
+    link_gap: float = _value(
+        25.0, EDGES, "largest gap over which pieces of a curve that does not recur are joined (section 5.1)", 0, 200
+    )
     epsilon: float = _value(2.0, EDGES, "radius within which occurrences show the same curve (section 5.2)", 0.1)
     block: int = _value(1 << 20, COUNT, "pairs handled at a time; bounds the memory, not the result", 1 << 10)
     threads: int = _value(0, COUNT, "worker threads; 0 takes one a processor", 0, 256)

@@ -13,4 +13,4 @@ parameters.smoothing = 0.5
 parameters.s = 0.5
 parameters.t = 1.0
 parameters.epsilon = 1.0
-parameters.link_gap = 3.0
+parameters.link_gap = 10.0

@@ -13,5 +13,5 @@ parameters.smoothing = 5.0
 parameters.s = 1.5
 parameters.t = 3.0
 parameters.epsilon = 3.0
-parameters.link_gap = 10.0
+parameters.link_gap = 40.0
 parameters.keep_length = 4.0
