@@ -129,8 +129,9 @@ def _uncovered(draft, others, radius):
 def congruent_parts(curves, owner, surface=(None, None), *, l0, s, t, delta_l, epsilon, threads=1):
     """Groups of clean curves that rigid motions take onto each other.
 
-    Three curves that keep their places to each other are one thing twice; fewer may be two parts of one thing
-    that look alike (the halves of an arch), unless they are all there is of their templates.
+    Three curves of one template that keep their places to each other are one thing twice; fewer may be two parts of
+    one thing that look alike (the halves of an arch). Two templates are one when nearly all of both agrees: a window
+    and its mirror image have much in common, and are not the same.
 
     Parameters
     ----------
@@ -160,15 +161,15 @@ def congruent_parts(curves, owner, surface=(None, None), *, l0, s, t, delta_l, e
         length = sub.lengths[source].sum()
         if length < l0 or set(source) & set(target):
             continue
-        sides = (source, target)
-        if min(map(len, sides)) >= 3 or all(_is_most(sub, side, owner) for side in sides):
+        within = bool(np.intersect1d(*(np.asarray(owner)[sub.source[side]] for side in (source, target))).size)
+        if (within and min(len(source), len(target)) >= 3) or all(_is_most(sub, s, owner) for s in (source, target)):
             found.append((length, motion, source, target))
     found.sort(key=lambda f: -f[0])
     groups = _grouped([f[1:] for f in found])
     return [[(sub.motion_to_world(m[None])[0], sub.source[members].tolist()) for m, members in g] for g in groups]
 
 
-def _is_most(network, curves, owner, *, least=0.7):
+def _is_most(network, curves, owner, *, least=0.9):
     """Whether curves are most of the templates that they belong to."""
     owner = np.asarray(owner)[network.source]
     own = np.isin(owner, owner[list(curves)])
