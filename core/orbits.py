@@ -12,8 +12,8 @@ from .network import CurveNetwork
 from .rigid import embed, exponential, inverse, motion, rotation_vector, screw_velocity
 from .support import Screen
 
-ROOTS, SHARE, SAME, DISTINCT = 12, 0.75, 5.0, 0.25
-"""Roots that are tried, share of the support that a root must keep, RMS edge lengths within which motions are one,
+CANDIDATES, SEEDS, ROOTS, SHARE, SAME, DISTINCT = 100, 6, 12, 0.75, 5.0, 0.25
+"""Motions that are looked at, those that are tried for each orbit, roots that are tried, share of the support that a root must keep, RMS edge lengths within which motions are one,
 and the share of its support by which a motion must stand out from those beside it (a quarter: on a scan straight
 jambs and mouldings, which support slides as well, are most of the length)."""
 
@@ -63,16 +63,23 @@ def detect_orbits(network: CurveNetwork, clusters: Clusters, screen: Screen, *, 
     """
     finder = _Finder(network, clusters, screen)
     limit = 1.2 * clusters.chance
-    left = np.flatnonzero(clusters.support > limit)[:100]
+    left = np.flatnonzero(clusters.support > limit)
+    held = np.zeros(len(clusters))
+    held[left] = screen.held(clusters.motions[left]) * doubts(clusters.motions[left], screen)
+    left = left[np.argsort(-held[left], kind="stable")[:CANDIDATES]]
     distinct = finder.screen.prominence(clusters.motions[left])
     left = left[distinct > np.maximum(DISTINCT * clusters.support[left], 0.5 * clusters.chance)]
-    left = left[np.argsort(-clusters.support[left] * doubts(clusters.motions[left], screen), kind="stable")]
-    total, found = max(1, len(left)), []
+    total, found, tries = max(1, len(left)), [], {}
     while len(left) and len(found) < 40:
-        orbit = finder.orbit(clusters.motions[left[0]], clusters.motions[left])
+        # Any power of a generator may be the best supported motion; the orbit that explains most has the generator.
+        seeds = left[:SEEDS][held[left[:SEEDS]] >= SHARE * held[left[0]]]
+        for k in seeds:
+            if k not in tries and not any(finder.has(tries[j], clusters.motions[k]) for j in seeds if j in tries):
+                tries[k] = finder.orbit(clusters.motions[k], clusters.motions[left])
+        orbit = max((o for k in seeds if (o := tries.get(k)) is not None), key=lambda o: o.support, default=None)
         if orbit is not None and not any(finder.contains(known, orbit) for known in found):
             found.append(orbit)
-        left = left[1:]
+        left = left[1:] if orbit is not None else left[len(seeds) :]
         if orbit is not None and len(left):
             left = left[finder.beyond(orbit, clusters.motions[left]) > limit]
             finder.explain(orbit)
@@ -111,10 +118,15 @@ class _Finder:
 
     def contains(self, known, orbit):
         """Whether the generators of an orbit are powers of those of a known one."""
+        return all(self.has(known, generator) for generator in orbit.generators)
+
+    def has(self, known, motion):
+        """Whether a motion (4, 4) is a power of the generators of a known orbit, which may be None."""
+        if known is None:
+            return False
         powers = known.generators if known.kind == "single" else known.power(known.powers)
-        powers = embed(np.concatenate([powers, inverse(powers)]), self.spread)
-        gap = np.linalg.norm(embed(orbit.generators, self.spread)[:, None] - powers[None], axis=2)
-        return bool((gap.min(axis=1) < SAME).all())
+        powers = np.concatenate([powers, inverse(powers)])
+        return bool(self.distance(np.broadcast_to(motion, powers.shape), powers).min() < SAME)
 
     def explain(self, orbit):
         """Take what an orbit explains off the length that is left to others."""

@@ -239,6 +239,27 @@ class Screen:
 
         return np.concatenate(self._chunks(both, part, chunk))
 
+    def held(self, motions):
+        """(h,) float64, how much of what supports each motion resists a shift in the direction that is held least.
+
+        A sample resists what goes across its curve. Two long parallel lines support any motion along them; a thing
+        with curves in all directions supports one. The least eigenvalue of the sum of I - t t^T, edge lengths.
+        """
+
+        def part(m):
+            i, k, j = self.hits(m)
+            good = in_long_stretches(i, k, self.curve, self.least)
+            i, k, j = i[good], k[good], j[good]
+            line, w = self.all_tangents[j], self.weight[k]
+            sums = np.zeros((len(m), 3, 3))
+            for a in range(3):
+                for b in range(a, 3):
+                    term = np.bincount(i, w * ((a == b) - line[:, a] * line[:, b]), minlength=len(m))
+                    sums[:, a, b] = sums[:, b, a] = term
+            return np.linalg.eigvalsh(sums)[:, 0]
+
+        return np.concatenate(self._chunks(motions, part, None)) if len(motions) else np.zeros(0)
+
     def supported(self, motions):
         """(n,) bool, samples that any of the motions takes onto the network along a stretch."""
 
