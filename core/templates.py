@@ -26,8 +26,9 @@ from .support import Screen, long_stretches
 MARGIN = {1: 0.5, 2: 0.35}
 """Share of a cell of an orbit with so many generators in which curves may reach over its border and stay whole."""
 
-FEW, ROUNDS = 4, 5
-"""Occurrences below which those found later may change the curves, and rounds of looking for more of them."""
+FEW, ROUNDS, GROWS = 4, 6, 1.03
+"""Occurrences below which those found later may change the curves, rounds of looking for more of them, and by what
+factor the curves must have grown for another round."""
 
 
 def extract_templates(network: CurveNetwork, model, votes, clusters, screen: Screen, parameters, *, progress=None):
@@ -199,6 +200,7 @@ class _Maker:
         if not self._holds(draft):
             return [draft]
         alone = not draft.orbital.any() or len(draft.poses) < FEW
+        before = 0.0
         for _ in range(ROUNDS):
             pattern = _pattern(self.network, draft)
             if alone:
@@ -206,9 +208,9 @@ class _Maker:
                 draft = draft.part(cells=np.flatnonzero(keep))
             else:
                 poses = self.search.find(pattern, draft.poses, free)
-            if not len(poses):
+            if not len(poses) and (not alone or len(pattern.points) < GROWS * before):
                 break
-            draft = _with_poses(draft, poses)
+            draft, before = _with_poses(draft, poses), len(pattern.points)
             if not alone:
                 evidence = seen_share(self.network, draft.curves, poses, radius=self.radius, free=free)
                 draft = replace(draft, evidence=np.concatenate([draft.evidence, evidence]))
