@@ -17,7 +17,7 @@ from scipy.spatial import cKDTree
 
 from .linking import bend_of_ends, continuations, join_paths, split_at_corners
 from .network import resample_polyline, smooth_polyline
-from .traversal import find_passages, part_shared
+from .traversal import find_passages, part_shared, split_where_none_pass
 
 SPACING, LINK, SHORTEST = 0.7, 2.6, 5.0
 """Distance of the nodes, longest edge between them, shortest curve that is kept; edge lengths."""
@@ -176,7 +176,8 @@ def fit_curves(paths, points, tangents, weight, run, *, trails=None, radius=1.5,
     Returns a list of (k, 3) points and a list of bool.
     """
     pieces = [piece for path in paths for piece in split_at_corners(_even(path))]
-    joined = _join_across(pieces, trails or (points, tangents, run))
+    trails = trails or (points, tangents, run)
+    joined = _join_across(split_where_none_pass(pieces, *trails), trails)
     joined = [(p, ring) for p, ring in joined if np.linalg.norm(np.diff(p, axis=0), axis=1).sum() >= SHORTEST]
     closed = [ring for _, ring in joined]
     lines = [smooth_polyline(resample_polyline(path, 1.0, ring), smoothing, ring) for path, ring in joined]
@@ -218,7 +219,9 @@ def own_points(lines, points, tangents, run, *, radius, cosine=0.75, most=0.8):
 def _join_across(pieces, trails, *, short=10.0, gap=14.0, cover=2.5):
     """Pieces joined; where curves cross or touch, arms are joined over the short piece that they share."""
     passages = find_passages(pieces, *trails)
-    pieces, forced = part_shared(pieces, passages, continuations(pieces), partial(bend_of_ends, pieces))
+    smooth = continuations(pieces)
+    smooth = smooth[~passages.parted[smooth[:, 0], smooth[:, 1]]]
+    pieces, forced = part_shared(pieces, passages, smooth, partial(bend_of_ends, pieces))
     size = np.array([np.linalg.norm(np.diff(p, axis=0), axis=1).sum() for p in pieces])
     tips = np.array([[p[0], p[-1]] for p in pieces]).reshape(-1, 3)
     pair = cKDTree(tips).query_pairs(5.0, output_type="ndarray").reshape(-1, 2)
@@ -227,19 +230,19 @@ def _join_across(pieces, trails, *, short=10.0, gap=14.0, cover=2.5):
     shared = (size < short) & (meets >= 2).all(axis=1)
     shared[forced.ravel() // 2] = False
     if not shared.any():
-        return join_paths(pieces, passed=passages.pairs, forced=forced)
+        return join_paths(pieces, passed=passages.pairs, parted=passages.parted, forced=forced)
     kept = np.flatnonzero(~shared)
     place = np.full(2 * len(pieces), -1)
     place[2 * kept], place[2 * kept + 1] = 2 * np.arange(len(kept)), 2 * np.arange(len(kept)) + 1
     long = [pieces[k] for k in kept]
-    passed = find_passages(long, *trails).pairs
-    long = join_paths(long, gap=gap, passed=passed, forced=place[forced])
+    passages = find_passages(long, *trails)
+    long = join_paths(long, gap=gap, passed=passages.pairs, parted=passages.parted, forced=place[forced])
     # A shared piece that no arm was joined over is a piece like any other.
     shown = cKDTree(np.concatenate([_dense(p, ring) for p, ring in long])) if long else None
     left = [p for p, s in zip(pieces, shared) if s and (shown is None or shown.query(p)[0].max() > cover)]
     open_ = [p for p, ring in long if not ring] + left
-    passed = find_passages(open_, *trails).pairs
-    return join_paths(open_, passed=passed) + [(p, ring) for p, ring in long if ring]
+    passages = find_passages(open_, *trails)
+    return join_paths(open_, passed=passages.pairs, parted=passages.parted) + [(p, ring) for p, ring in long if ring]
 
 
 def _dense(path, ring):

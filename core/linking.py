@@ -7,7 +7,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 
-def join_paths(paths, *, gap=6.0, angle=35.0, most=np.inf, passed=None, forced=()):
+def join_paths(paths, *, gap=6.0, angle=35.0, most=np.inf, passed=None, parted=None, forced=()):
     """Join open paths end to end.
 
     Parameters
@@ -17,6 +17,7 @@ def join_paths(paths, *, gap=6.0, angle=35.0, most=np.inf, passed=None, forced=(
     most : largest `bend` of two arms
     passed : (2 p, 2 p) int64 or None, how many curves are known to lead from one end to the other
         (`traversal.Passages.pairs`, which may be of fewer paths, the first ones)
+    parted : (2 p, 2 p) bool or None, ends that are known not to continue each other (`Passages.parted`)
     forced : (k, 2) int64, ends that are joined before all others
 
     Returns
@@ -25,11 +26,11 @@ def join_paths(paths, *, gap=6.0, angle=35.0, most=np.inf, passed=None, forced=(
     joined once. A path whose own ends fit becomes closed.
     """
     return [(points, closed) for points, closed, _ in linked_paths(
-        paths, gap=gap, angle=angle, most=most, passed=passed, forced=forced
+        paths, gap=gap, angle=angle, most=most, passed=passed, parted=parted, forced=forced
     )]  # fmt: skip
 
 
-def linked_paths(paths, *, gap=6.0, angle=35.0, most=np.inf, passed=None, forced=(), arm=None):
+def linked_paths(paths, *, gap=6.0, angle=35.0, most=np.inf, passed=None, parted=None, forced=(), arm=None):
     """As `join_paths`, with the indices of the paths that each chain is made of: (points, closed, list of int).
 
     arm : samples of an end that say how it goes on; more than `ARM` where noise hides it
@@ -40,7 +41,7 @@ def linked_paths(paths, *, gap=6.0, angle=35.0, most=np.inf, passed=None, forced
     tip = np.concatenate([[p[0], p[-1]] for p in paths])
     way = np.concatenate([[_outward(p, arm), _outward(p[::-1], arm)] for p in paths])
     arms = [part for p in paths for part in (p[:arm], p[::-1][:arm])]
-    partner = match_ends(tip, way, arms, [len(p) for p in paths], gap, angle, most, passed, forced)
+    partner = match_ends(tip, way, arms, [len(p) for p in paths], gap, angle, most, passed, parted, forced)
     out, used = [], np.zeros(len(paths), bool)
     for i in range(len(paths)):
         if used[i]:
@@ -65,7 +66,7 @@ def _outward(path, length=None):
     return v / max(np.linalg.norm(v), 1e-12)
 
 
-def match_ends(tip, way, arms, size, gap, angle, most=np.inf, passed=None, forced=()):
+def match_ends(tip, way, arms, size, gap, angle, most=np.inf, passed=None, parted=None, forced=()):
     """(e,) int64, the end that each end is joined to, or -1; a matching that takes the smoothest pairs first.
 
     Ends that curves are known to lead between come before all others, and may meet at any angle.
@@ -89,6 +90,9 @@ def match_ends(tip, way, arms, size, gap, angle, most=np.inf, passed=None, force
         counted = (i < len(passed)) & (j < len(passed))
         known[counted] = passed[i[counted], j[counted]]
         known[known < PASSED] = 0
+    if parted is not None:
+        counted = np.flatnonzero((i < len(parted)) & (j < len(parted)))
+        cost[counted[parted[i[counted], j[counted]]]] = np.inf
     partner = np.full(len(tip), -1)
     for a, b in forced:
         partner[a], partner[b] = b, a

@@ -14,9 +14,10 @@ from itertools import permutations
 import numpy as np
 from scipy.spatial import cKDTree
 
-STEADY, PASSAGE, NEAR_END = 4, 16, 8.0
-"""Samples in a row that put a run on a piece, most samples between two pieces, and edge lengths from the end of a
-piece within which a run must leave it."""
+STEADY, PASSAGE, NEAR_END, ARRIVED, OFTEN, FEW = 4, 16, 8.0, 3.0, 3, 0.1
+"""Samples in a row that put a run on a piece, most samples between two pieces, edge lengths from the end of a piece
+within which a run must leave it, and within which it has come to the end, runs that make it known that it ends, and the
+share of those that may go on all the same."""
 
 
 @dataclass(frozen=True)
@@ -26,11 +27,19 @@ class Passages:
     pairs : (2 p, 2 p) int64, symmetric, runs that lead from one end to another
     routes : (k, 3) int64, (a, b, runs): runs that come from end a, pass one piece and go on at end b, a < b
     through : (k,) int64, the piece that each route passes
+    arrivals : (2 p,) int64, runs that follow a piece right up to its end, whether they go on or not
     """
 
     pairs: np.ndarray
     routes: np.ndarray
     through: np.ndarray
+    arrivals: np.ndarray
+
+    @property
+    def parted(self) -> np.ndarray:
+        """(2 p, 2 p) bool, ends that many runs come to and none leads between: curves that end at one place."""
+        often = self.arrivals >= OFTEN
+        return (self.pairs == 0) & often[:, None] & often[None, :]
 
 
 def find_passages(pieces, points, tangents, run, *, radius=1.8, cosine=0.7) -> Passages:
@@ -43,8 +52,9 @@ def find_passages(pieces, points, tangents, run, *, radius=1.8, cosine=0.7) -> P
     """
     count = 2 * len(pieces)
     if not pieces or not len(points):
-        return Passages(np.zeros((count, count), np.int64), np.zeros((0, 3), np.int64), np.zeros(0, np.int64))
-    out, into, connected = _steps(pieces, points, tangents, run, radius, cosine)
+        none = np.zeros(0, np.int64)
+        return Passages(np.zeros((count, count), np.int64), np.zeros((0, 3), np.int64), none, np.zeros(count, np.int64))
+    out, into, connected, arrivals = _steps(pieces, points, tangents, run, radius, cosine)
     pairs = np.zeros((count, count), np.int64)
     good = (out >= 0) & (into >= 0)
     np.add.at(pairs, (out[good], into[good]), 1)
@@ -52,11 +62,31 @@ def find_passages(pieces, points, tangents, run, *, radius=1.8, cosine=0.7) -> P
     first = np.flatnonzero(good[:-1] & good[1:] & connected & (into[:-1] ^ 1 == out[1:]))
     a, b, piece = out[first], into[first + 1], into[first] // 2
     keys, runs = np.unique(np.stack([piece, np.minimum(a, b), np.maximum(a, b)], axis=1), axis=0, return_counts=True)
-    return Passages(pairs + pairs.T, np.concatenate([keys[:, 1:], runs[:, None]], axis=1), keys[:, 0])
+    return Passages(pairs + pairs.T, np.concatenate([keys[:, 1:], runs[:, None]], axis=1), keys[:, 0], arrivals)
 
 
 def _steps(pieces, points, tangents, run, radius, cosine):
-    """Steps of runs from piece to piece: the ends left and entered, or -1, and whether the next step goes on."""
+    """Steps of runs from piece to piece: the ends left and entered, or -1, and whether the next step goes on; and how
+    many runs reach each end."""
+    piece, at, run, sample, size, first, last = _stretches(pieces, points, tangents, run, radius, cosine)
+    a, b = np.arange(len(first) - 1), np.arange(1, len(first))
+    goes_on = run[last[a]] == run[first[b]]
+    goes_on &= sample[first[b]] - sample[last[a]] <= PASSAGE
+    goes_on &= (piece[first[a]] != piece[first[b]]) | (np.abs(at[first[b]] - at[last[a]]) > PASSAGE)
+    a, b = a[goes_on], b[goes_on]
+    out = _end_towards(at, piece, size, first[a], last[a])
+    into = _end_towards(at, piece, size, last[b], first[b])
+    reached = [_end_towards(at, piece, size, *way, close=ARRIVED) for way in ((first, last), (last, first))]
+    reached = np.concatenate(reached)
+    return out, into, b[:-1] == a[1:], np.bincount(reached[reached >= 0], minlength=2 * len(pieces))
+
+
+def _stretches(pieces, points, tangents, run, radius, cosine):
+    """Stretches of runs that stay on one piece for at least `STEADY` samples.
+
+    Returns, of the samples that lie on a piece, the piece, the place on it, the run and the index; the samples of
+    each piece; and of each stretch its first and its last sample among those.
+    """
     line = np.concatenate(pieces)
     way = np.concatenate([np.gradient(p, axis=0) for p in pieces])
     way /= np.maximum(np.linalg.norm(way, axis=1), 1e-12)[:, None]
@@ -78,24 +108,46 @@ def _steps(pieces, points, tangents, run, radius, cosine):
     first = np.flatnonzero(fresh)
     last = np.append(first[1:], len(sample)) - 1
     steady = last - first + 1 >= np.minimum(STEADY, size[piece[first]])
-    first, last = first[steady], last[steady]
-    a, b = np.arange(len(first) - 1), np.arange(1, len(first))
-    goes_on = run[last[a]] == run[first[b]]
-    goes_on &= (sample[first[b]] - sample[last[a]] <= PASSAGE)
-    goes_on &= (piece[first[a]] != piece[first[b]]) | (np.abs(at[first[b]] - at[last[a]]) > PASSAGE)
-    a, b = a[goes_on], b[goes_on]
-    out = _end_towards(at, piece, size, first[a], last[a])
-    into = _end_towards(at, piece, size, last[b], first[b])
-    return out, into, b[:-1] == a[1:]
+    return piece, at, run, sample, size, first[steady], last[steady]
 
 
-def _end_towards(at, piece, size, begin, stop):
-    """The end that a stretch from sample `begin` to sample `stop` runs to and is near at its stop, or -1."""
+def split_where_none_pass(pieces, points, tangents, run, *, radius=1.8, cosine=0.7):
+    """Pieces cut where runs end from both sides and none goes through: two curves that end at one place."""
+    if not pieces or not len(points):
+        return list(pieces)
+    piece, at, _, _, size, first, last = _stretches(pieces, points, tangents, run, radius, cosine)
+    low, high = np.minimum(at[first], at[last]), np.maximum(at[first], at[last])
+    out = []
+    for k, line in enumerate(pieces):
+        mine = piece[first] == k
+        out += [line[a:b] for a, b in _parts(low[mine], high[mine], int(size[k]))]
+    return out
+
+
+def _parts(low, high, size, *, reach=4, least=6):
+    """Bounds of the parts of a piece of `size` samples that stretches from `low` to `high` run over."""
+    x = np.arange(size)[:, None]
+    ends = np.minimum(
+        ((high >= x - reach) & (high < x + reach)).sum(axis=1), ((low > x - reach) & (low <= x + reach)).sum(axis=1)
+    )
+    passing = ((low <= x - reach) & (high >= x + reach)).sum(axis=1)
+    cuts = []
+    for k in np.argsort(-ends, kind="stable"):
+        if ends[k] < OFTEN:
+            break
+        if passing[k] <= FEW * ends[k] and all(abs(k - c) >= least for c in [0, *cuts, size - 1]):
+            cuts.append(int(k))
+    bounds = [0, *sorted(cuts), size]
+    return list(zip(bounds[:-1], bounds[1:]))
+
+
+def _end_towards(at, piece, size, begin, stop, close=None):
+    """The end that a stretch from sample `begin` to sample `stop` runs to and is close to at its stop, or -1."""
     p = piece[stop]
     forward = at[stop] > at[begin]
     left = np.where(forward, size[p] - 1 - at[stop], at[stop])
     moved = (at[stop] != at[begin]) | (size[p] <= STEADY)
-    return np.where(moved & (left <= NEAR_END), 2 * p + forward, -1)
+    return np.where(moved & (left <= (NEAR_END if close is None else close)), 2 * p + forward, -1)
 
 
 def part_shared(pieces, passages: Passages, smooth, bend, *, least=2, most=3):

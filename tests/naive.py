@@ -103,6 +103,15 @@ def resample(points, step, closed=False):
     return np.array(out)
 
 
+def directions(curve):
+    """(k, 3) unit tangents of a polyline, from the point before to the one behind; at the ends from the end itself."""
+    out = []
+    for k in range(len(curve)):
+        way = curve[min(k + 1, len(curve) - 1)] - curve[max(k - 1, 0)]
+        out.append(way / max(float(np.linalg.norm(way)), 1e-12))
+    return np.array(out)
+
+
 # ---- Algorithm 1
 
 Match = namedtuple("Match", "affinity motion a b direction count")
@@ -261,6 +270,44 @@ def distance_to_polyline(place, line, closed=False):
     start, side = corners[:-1], np.diff(corners, axis=0)
     u = np.clip(((place - start) * side).sum(axis=1) / np.maximum((side**2).sum(axis=1), 1e-300), 0, 1)
     return float(np.linalg.norm(start + u[:, None] * side - place, axis=1).min())
+
+
+def lies_along(place, way, points, ways, *, radius, cosine, most):
+    """Of the `most` nearest points within a radius the first with the same tangent, and its distance; or -1 and inf."""
+    gaps = np.linalg.norm(points - place, axis=1)
+    for j in np.argsort(gaps, kind="stable")[:most]:
+        if gaps[j] < radius and abs(np.dot(ways[j], way)) > cosine:
+            return int(j), float(gaps[j])
+    return -1, np.inf
+
+
+def placed(curves, poses):
+    """Points and tangents of all curves at all poses, one pose after the other."""
+    points = [m[:3, :3] @ p + m[:3, 3] for m in poses for c in curves for p in c]
+    ways = [m[:3, :3] @ w for m in poses for c in curves for w in directions(c)]
+    return np.array(points), np.array(ways)
+
+
+def seen_share(points, tangents, curves, poses, *, radius, cosine=0.75):
+    """(a, c) share of each curve at each pose along which samples lie, one point of a curve at a time."""
+    share = np.zeros((len(poses), len(curves)))
+    for a, m in enumerate(poses):
+        for c, curve in enumerate(curves):
+            seen = 0
+            for p, w in zip(*placed([curve], [m])):
+                seen += lies_along(p, w, points, tangents, radius=radius, cosine=cosine, most=3)[0] >= 0
+            share[a, c] = seen / len(curve)
+    return share
+
+
+def recurs(points, tangents, motion, targets, lines, *, radius, cosine=0.8):
+    """Which samples a motion takes to within the radius of a target with the same tangent, and the targets."""
+    hit, to = [], []
+    for p, w in zip(points, tangents):
+        k, gap = nearest(targets, motion[:3, :3] @ p + motion[:3, 3])
+        hit.append(bool(gap <= radius and abs(np.dot(motion[:3, :3] @ w, lines[k])) > cosine))
+        to.append(k)
+    return np.array(hit), np.array(to)
 
 
 def shortest_ways(weight):

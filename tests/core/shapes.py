@@ -5,7 +5,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from core.drafts import Draft
 from core.network import build_network
+from core.orbits import Orbit
+from core.rigid import screw_velocity
 from core.values import Curves
 from tests import naive
 
@@ -53,6 +56,25 @@ def in_frame(net, m):
     to_world = np.eye(4)
     to_world[:3, :3], to_world[:3, 3] = net.rotation * net.unit, net.centre
     return np.linalg.inv(to_world) @ m @ to_world
+
+
+def to_frame(net, points):
+    """Points of the world, (n, 3), in the network's frame."""
+    return (points - net.centre) @ net.rotation / net.unit
+
+
+def orbit(net, kind, steps, count, *, closed=False):
+    """The orbit of steps of the world, each (4, 4), in the network's frame."""
+    twists = np.concatenate(screw_velocity(np.array([in_frame(net, m) for m in steps])), axis=1)
+    return Orbit(kind, twists, np.array(count), closed, 1.0)
+
+
+def draft(curves, poses, *, closed=None, keys=None, evidence=None, orbital=True, transformation=0):
+    """A draft of curves at poses, all of which show all curves; cells of an orbit where nothing else is said."""
+    closed = [False] * len(curves) if closed is None else list(closed)
+    keys = np.arange(len(poses))[:, None] if keys is None else np.asarray(keys, np.int64)
+    evidence = np.ones((len(poses), len(curves))) if evidence is None else evidence
+    return Draft(list(curves), closed, np.array(poses), keys, evidence, transformation, np.full(len(poses), orbital))
 
 
 def random_motion(rng, reach=50.0):

@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Curves that are seen in the same cells become one template, and each sample is evidence once."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from core.grouping import group
+from tests import naive
+from tests.core import shapes
+
+RADIUS = 2.5
+STEP = np.array([60.0, 8, 0])
+
+
+def row(rng, cells, *, holes=(), clutter=4, noise=0.2, count=6):
+    """A row of cells and a draft of all its curves, none of which is known to be seen anywhere.
+
+    cells : for each curve the cells that show it; holes : (curve, cell, share) of what is lost there
+    """
+    thing = [line + [0, 0, 25 * c] for c, line in enumerate(shapes.ornament(rng, len(cells), size=20))]
+    curves = []
+    for c, (line, where) in enumerate(zip(thing, cells)):
+        for k in where:
+            lost = sum(share for curve, cell, share in holes if (curve, cell) == (c, k))
+            part = line[int(round(lost * len(line))) :]
+            if len(part) > 1:
+                curves.append(part + k * STEP + noise * rng.normal(size=part.shape))
+    curves += [shapes.wiggle(rng, 40) + rng.uniform(0, 1, size=3) * [60.0 * count, 20, 10] for _ in range(clutter)]
+    net = shapes.network(curves, smoothing=1.5)
+    orbit = shapes.orbit(net, "translation", [naive.rigid(shift=STEP)], [count - 1])
+    keys = np.arange(count)[:, None]
+    clean = [shapes.to_frame(net, naive.resample(c, 1.0)) for c in thing]
+    return net, shapes.draft(clean, orbit.power(keys), keys=keys, evidence=np.zeros((count, len(cells))))
+
+
+def parts(drafts, draft):
+    """The groups as {(curves, cells)}, by the curves' and the cells' numbers in the whole draft."""
+    out = set()
+    for one in drafts:
+        members = frozenset(next(k for k, c in enumerate(draft.curves) if c is line) for line in one.curves)
+        out.add((members, frozenset(one.keys[:, 0].tolist())))
+    return out
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_curves_of_the_same_cells_are_one_template(seed):
+    rng = np.random.default_rng(seed)
+    every, some, others = range(6), (0, 3), (1, 4)
+    net, draft = row(rng, [every, every, some, some, others, (2,), ()])
+    drafts, free = group(net, draft, np.ones(len(net.points), bool), radius=RADIUS)
+    expected = {((0, 1), every), ((2, 3), some), ((4,), others)}
+    assert parts(drafts, draft) == {(frozenset(a), frozenset(b)) for a, b in expected}
+    shown_by = np.isin(net.source[net.curve_of], range(18))
+    assert free[shown_by].mean() < 0.03, "what they explain is taken away"
+    assert free[net.source[net.curve_of] == 18].mean() > 0.5, "a curve that is seen once explains nothing"
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_what_holds_for_any_groups(seed):
+    """Curves that are seen here and there, by halves and among clutter."""
+    rng = np.random.default_rng(seed)
+    cells = [np.flatnonzero(rng.random(6) < rng.choice([0.3, 0.6, 1.0])) for _ in range(7)]
+    holes = [(c, k, rng.uniform(0, 0.9)) for c in range(7) for k in range(6) if rng.random() < 0.3]
+    net, draft = row(rng, cells, holes=holes)
+    before = rng.random(len(net.points)) < 0.9
+    kept = before.copy(), draft.poses.copy(), [c.copy() for c in draft.curves]
+    drafts, free = group(net, draft, before, radius=RADIUS)
+    groups = parts(drafts, draft)
+    members = [k for curves, _ in groups for k in curves]
+    assert len(groups) == len(drafts) and len(members) == len(set(members)), "no curve is in two templates"
+    assert len({where for _, where in groups}) == len(groups), "nor are two templates in the same cells"
+    for one in drafts:
+        assert len(one.poses) >= 2 and one.transformation == draft.transformation
+        assert np.array_equal(one.poses, draft.poses[one.keys[:, 0]])
+        assert one.evidence.shape == (len(one.poses), len(one.curves)) == (len(one.orbital), len(one.closed))
+        share = naive.seen_share(net.points[before], net.tangents[before], one.curves, one.poses, radius=RADIUS)
+        assert (one.evidence <= share + 0.1).all(), "evidence is what the free samples show, or less"
+    longest = [max(map(len, one.curves)) for one in drafts]
+    assert longest == sorted(longest, reverse=True)
+    assert not (free & ~before).any()
+    lines = [naive.placed(one.curves, one.poses) for one in drafts]
+    for i in np.flatnonzero(before & ~free):
+        near = [naive.lies_along(net.points[i], net.tangents[i], *x, radius=RADIUS, cosine=0.7, most=4) for x in lines]
+        assert max(k for k, _ in near) >= 0, "what is taken away lies along a template"
+    assert np.array_equal(before, kept[0]) and np.array_equal(draft.poses, kept[1])
+    assert all(map(np.array_equal, draft.curves, kept[2]))
+
+
+def test_the_order_of_the_curves_does_not_matter(rng):
+    net, draft = row(rng, [range(6), range(6), (0, 3), (0, 3), (1, 4)], holes=[(1, 2, 0.6), (0, 4, 0.3)])
+    free = np.ones(len(net.points), bool)
+    first = parts(group(net, draft, free, radius=RADIUS)[0], draft)
+    for _ in range(3):
+        order, cells = rng.permutation(5), rng.permutation(6)
+        drafts, _ = group(net, draft.part(order, cells), free, radius=RADIUS)
+        assert parts(drafts, draft) == first
+
+
+def test_a_hole_does_not_take_a_curve_out_of_its_template(rng):
+    net, draft = row(rng, [range(6)] * 3, holes=[(1, 2, 1.0), (1, 3, 0.7), (2, 4, 0.8), (0, 5, 0.5)])
+    (one,), _ = group(net, draft, np.ones(len(net.points), bool), radius=RADIUS)
+    assert len(one.curves) == 3 and len(one.poses) == 6
+    assert one.evidence[2, [k for k in range(3) if one.curves[k] is draft.curves[1]][0]] < 0.3
+
+
+def test_a_curve_of_which_a_third_is_seen_belongs_to_what_is_seen_in_its_cells(rng):
+    net, draft = row(rng, [range(6)] * 3, holes=[(2, k, 0.65) for k in range(6)], clutter=0)
+    (one,), _ = group(net, draft, np.ones(len(net.points), bool), radius=RADIUS)
+    assert len(one.curves) == 3 and len(one.poses) == 6
+    assert 0.25 < one.evidence[:, 2].mean() < 0.5 and one.evidence[:, :2].min() > 0.9
+
+
+def test_a_sample_is_evidence_once(rng):
+    net, draft = row(rng, [range(6), (0, 3)], clutter=0)
+    every = np.ones(len(net.points), bool)
+    drafts, left = group(net, draft, every, radius=RADIUS)
+    again, still = group(net, draft, left, radius=RADIUS)
+    assert len(drafts) == 2 and again == [] and np.array_equal(still, left)
+
+
+def test_no_curves_no_samples_and_one_occurrence(rng):
+    net, draft = row(rng, [range(6), range(6)])
+    every = np.ones(len(net.points), bool)
+    for one, free in ((draft.part([]), every), (draft, ~every), (draft.part(cells=[2]), every)):
+        drafts, left = group(net, one, free, radius=RADIUS)
+        assert drafts == [] and np.array_equal(left, free)
