@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from .clustering import perturbed
 from .drafts import Draft, explained_samples, seen_share
 from .network import CurveNetwork
 
@@ -28,7 +29,8 @@ def group(network: CurveNetwork, draft: Draft, free, *, radius):
 
     Notes
     -----
-    A sample is evidence once: what a group explains is taken away before the next one is looked for.
+    A sample is evidence once: what a group explains is taken away before the next one is looked for. A curve must be
+    seen clearly better than beside its places: on a dense wall bits of other curves lie along any line.
     """
     out, places, rest = [], [], draft
     while rest.curves:
@@ -37,12 +39,14 @@ def group(network: CurveNetwork, draft: Draft, free, *, radius):
         left = np.setdiff1d(np.arange(len(rest.curves)), member)
         if len(cells) >= 2:
             one = replace(rest, evidence=evidence).part(member, cells)
+            one = one.part(np.flatnonzero(_clear(network, one, free, radius)))
             whole = next((k for k, known in enumerate(places) if _same_cells(known, cells)), None)
             if whole is None:
                 places.append(cells)
                 out.append(one)
             else:
                 more = replace(rest, evidence=evidence).part(member, places[whole])
+                more = more.part(np.flatnonzero(_clear(network, more, free, radius)))
                 out[whole] = replace(
                     out[whole],
                     curves=out[whole].curves + more.curves,
@@ -52,6 +56,19 @@ def group(network: CurveNetwork, draft: Draft, free, *, radius):
             free = free & ~explained_samples(network, one, radius=radius, rivals=rest.part(left))
         rest = rest.part(left)
     return out, free
+
+
+def _clear(network, draft, free, radius):
+    """(c,) bool, curves of a group that are seen clearly better at its occurrences than beside them."""
+    places = draft.poses[:: max(1, len(draft.poses) // BESIDE)]
+    spread = np.concatenate(draft.curves).std(axis=0) + 1e-9
+    chance = seen_share(network, draft.curves, perturbed(places, spread), radius=radius, free=free).mean(axis=0)
+    typical = np.average(draft.evidence.mean(axis=0), weights=draft.lengths)
+    return draft.evidence.mean(axis=0) >= chance + CLEAR * np.maximum(typical - chance, 0)
+
+
+CLEAR, BESIDE = 0.55, 24
+"""Where between chance and what is typical a curve must lie, and places beside which chance is looked at."""
 
 
 def _same_cells(known, cells, *, least=0.75):
