@@ -18,7 +18,7 @@ from .drafts import Draft, directions
 from .network import CurveNetwork, resample_polyline, smooth_polyline, steady_polyline
 from .orbits import Orbit
 
-GAP, TURN, FOLLOW, MOSTLY = 4.0, 0.85, 6.0, 0.5
+GAP, TURN, FOLLOW, MOSTLY = 4.0, 0.85, 6.0, 0.65
 """Edge lengths and cosine within which a piece goes on as its own image, edge lengths over which a course follows the
 samples (no two cells of a real building are quite the same), and the share of a course that samples must show."""
 

@@ -99,19 +99,24 @@ def seen_share(network: CurveNetwork, curves, poses, *, radius, free=None, cosin
 
     free : (n,) bool, samples that count; None takes all
     """
+    size = np.array([len(c) for c in curves])
+    seen = seen_points(network, curves, poses, radius=radius, free=free, cosine=cosine)
+    return np.add.reduceat(seen, np.cumsum(size) - size, axis=1, dtype=float) / size
+
+
+def seen_points(network: CurveNetwork, curves, poses, *, radius, free=None, cosine=0.75):
+    """(a, n) bool, which of the n points of all curves lie along samples of the network; as in `seen_share`."""
     points = np.concatenate(curves)
-    of_curve = np.repeat(np.arange(len(curves)), [len(c) for c in curves])
     tangents = np.concatenate([directions(c) for c in curves])
     samples = np.arange(len(network.points)) if free is None else np.flatnonzero(free)
-    share = np.zeros((len(poses), len(curves)))
+    seen = np.zeros((len(poses), len(points)), bool)
     if not len(samples):
-        return share
+        return seen
     tree, lines = cKDTree(network.points[samples]), network.tangents[samples]
-    size = np.bincount(of_curve)
     for a, pose in enumerate(poses):
         at, way = points @ pose[:3, :3].T + pose[:3, 3], tangents @ pose[:3, :3].T
         distance, near = tree.query(at, k=3, distance_upper_bound=radius, workers=-1)
         found = np.isfinite(distance)
         same = np.abs((lines[np.where(found, near, 0)] * way[:, None]).sum(-1)) > cosine
-        share[a] = np.bincount(of_curve, (found & same).any(axis=1), minlength=len(size)) / size
-    return share
+        seen[a] = (found & same).any(axis=1)
+    return seen

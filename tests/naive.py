@@ -304,8 +304,9 @@ def recurs(points, tangents, motion, targets, lines, *, radius, cosine=0.8):
     """Which samples a motion takes to within the radius of a target with the same tangent, and the targets."""
     hit, to = [], []
     for p, w in zip(points, tangents):
-        k, gap = nearest(targets, motion[:3, :3] @ p + motion[:3, 3])
-        hit.append(bool(gap <= radius and abs(np.dot(motion[:3, :3] @ w, lines[k])) > cosine))
+        gaps = np.linalg.norm(targets - (motion[:3, :3] @ p + motion[:3, 3]), axis=1)
+        k = int(np.argmin(gaps))
+        hit.append(bool(gaps[k] <= radius and abs(np.dot(motion[:3, :3] @ w, lines[k])) > cosine))
         to.append(k)
     return np.array(hit), np.array(to)
 

@@ -11,7 +11,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from core.drafting import (
-    CHANCE_SHARE, agreed, consolidate, consolidate_places, least_agreement, one_of_each, one_period, refined_poses,
+    CHANCE_SHARE,
+    agreed,
+    consolidate,
+    consolidate_places,
+    least_agreement,
+    one_of_each,
+    one_period,
+    refined_poses,
 )  # fmt: skip
 from core.orbits import Orbit
 from core.overlay import fold_orbit
@@ -95,7 +102,9 @@ def test_chance_may_be_just_a_tenth():
 
 def row_orbit(step=(30, 0, 0), second=None):
     twists = [[0, 0, 0, *step]] + ([] if second is None else [[0, 0, 0, *second]])
-    return Orbit("translation" if second is None else "grid", np.array(twists, float), np.full(len(twists), 4), False, 1)
+    return Orbit(
+        "translation" if second is None else "grid", np.array(twists, float), np.full(len(twists), 4), False, 1
+    )
 
 
 def images(orbit):

@@ -28,9 +28,9 @@ def probe_of(net, curves, **more):
     return Screen(net, pattern_of(curves), radius=2.0, still=None, **more)
 
 
-def scene(rng, places, *, clutter=5, curves=4, noise=0.2):
+def scene(rng, places, *, clutter=5, curves=4, noise=0.2, size=16):
     """A network of things at places of the world among clutter; the places and the clean curves in its frame."""
-    thing = shapes.ornament(rng, curves, size=16)
+    thing = shapes.ornament(rng, curves, size=size)
     placed = [naive.moved(m, c) + noise * rng.normal(size=c.shape) for m in places for c in thing]
     reach = np.array([m[:3, 3] for m in places])
     low, high = reach.min(axis=0) - 20, reach.max(axis=0) + 20
@@ -61,26 +61,28 @@ BESIDE = naive.rigid(naive.turn([1, 2, 0.5], 2.0), [70, 75, 20])
 # ---- what is shown
 
 
+@pytest.mark.parametrize("stretch, most, typical", [(1, 0.08, 0.025), (8, 0.25, 0.08)])
 @pytest.mark.parametrize("seed", range(2))
-def test_the_share_that_is_shown_is_that_of_the_loop(seed):
+def test_the_share_that_is_shown_is_that_of_the_loop(seed, stretch, most, typical):
+    """The table is exact to half a voxel: what lies at the bounds may go either way, and a stretch with it."""
     rng = np.random.default_rng(seed)
-    net, places, curves = scene(rng, ROW[:2], clutter=1, curves=2)
+    net, places, curves = scene(rng, [np.eye(4), naive.rigid(shift=[30, 0, 0])], clutter=0, curves=2, size=12)
     middle = np.concatenate(curves).mean(axis=0)
-    nudges = [naive.about(rng.normal(size=3), np.radians(8), middle, along=1.5) for _ in range(4)]
+    nudges = [naive.about(rng.normal(size=3), np.radians(8), middle, along=1.5) for _ in range(5)]
     poses = np.array([*places, *(places[1] @ n for n in nudges)])
-    pattern = pattern_of(curves)
-    probe = Screen(net, pattern, radius=2.0, still=None, field=NeighbourField(net.points, 2.0, voxel=0.4))
-    stretches = rng.random(len(net.points) // 25 + 1).repeat(25)[: len(net.points)] < 0.7
-    for free in (np.ones(len(net.points), bool), stretches, ~of_thing(net, 0, 2)):
+    pattern, field = pattern_of(curves), NeighbourField(net.points, 2.0, voxel=0.2)
+    probe = Screen(net, pattern, radius=2.0, still=None, field=field, stretch=stretch)
+    gap = []
+    for free in (np.ones(len(net.points), bool), np.arange(len(net.points)) % 40 < 28, ~of_thing(net, 0, 2)):
         got, stiff = shown(probe, poses, free)
         expected = []
         for m in poses:
             hit, to = naive.recurs(pattern.points, pattern.tangents, m, net.points, net.tangents, radius=2.0)
-            expected.append(np.mean(naive.long_stretches(hit & free[to], pattern.curve_of, [8] * len(hit))))
-        # the table is exact to half a voxel: what lies at the radius may go either way
-        assert np.allclose(got, expected, atol=0.06) and np.abs(got - expected).mean() < 0.03
-        assert got.shape == stiff.shape == (6,)
-    assert got[0] < 0.2 < 0.9 < got[1] and 0.1 < got[2:].mean() < 0.9, "what is not free shows nothing"
+            expected.append(np.mean(naive.long_stretches(hit & free[to], pattern.curve_of, [stretch] * len(hit))))
+        gap.append(np.abs(got - expected))
+        assert got.shape == stiff.shape == (7,)
+    assert np.max(gap) < most and np.mean(gap) < typical
+    assert got[0] < 0.2 and got[1] > 0.65 and 0.1 < got[2:].mean() < 0.9, "what is not free shows nothing"
 
 
 def naive_stiffness(points, ways, small=1e-4):
@@ -111,14 +113,19 @@ def test_what_holds_a_pose(rng):
         "parallels": [shapes.line(50), shapes.line(50, [0, 9, 4])],
         "helix": [np.c_[9 * np.cos(np.arange(70) / 10), 9 * np.sin(np.arange(70) / 10), np.arange(70) * 0.4]],
         "corner": [shapes.line(40), shapes.line(40, way=[0, 1, 0])],
-        "cross": [shapes.line(40, [-20, 0, 0]), shapes.line(40, [0, -20, 5], [0, 1, 0]), shapes.line(40, [9, 9, -20], z)],
+        "cross": [
+            shapes.line(40, [-20, 0, 0]),
+            shapes.line(40, [0, -20, 5], [0, 1, 0]),
+            shapes.line(40, [9, 9, -20], z),
+        ],
         "ornament": shapes.ornament(rng, 3),
     }
     stiff = {}
     for name, curves in things.items():
         net = shapes.network(curves, closed=["ring" in name] * len(curves))
-        share, got = shown(Screen(net, radius=2.0, still=None), np.eye(4)[None], np.ones(len(net.points), bool))
-        assert share[0] > 0.9
+        probe = Screen(net, radius=2.0, still=None, field=NeighbourField(net.points, 2.0, voxel=0.25))
+        share, got = shown(probe, np.eye(4)[None], np.ones(len(net.points), bool))
+        assert share[0] > 0.97
         stiff[name] = got[0]
         expected = naive_stiffness(net.points, net.tangents)
         weight = net.weights.mean()
@@ -241,12 +248,12 @@ def test_nothing_is_found_in_clutter(seed):
 
 
 def test_a_part_of_a_thing_is_not_the_thing(rng):
-    """A third of the thing beside the row does not show it; most of it does."""
+    """A quarter of the thing beside the row does not show it; most of it does."""
+    net, places, curves = scene(rng, [*ROW, BESIDE])
+    search = search_in(net)
     for kept, count in ((1, 0), (3, 1)):
-        rng = np.random.default_rng(1)
-        net, places, curves = scene(rng, [*ROW, BESIDE])
-        there = np.isin(net.source[net.curve_of], [12 + k for k in range(kept)])
-        found = search_in(net).find(pattern_of(curves), places[:3], there | ~of_thing(net, 3))
+        there = np.isin(net.source[net.curve_of], np.arange(12, 12 + kept))
+        found = search.find(pattern_of(curves), places[:3], there | ~of_thing(net, 3))
         assert len(found) == count
 
 
@@ -267,7 +274,11 @@ def test_no_clusters_no_votes_and_nothing_free(rng):
     assert len(search.find(pattern, places[:3], every)) == 1, "the votes are enough"
     votes = vote(net, feature_blast(net, np.zeros(0, int), l0=20.0, s=1.0, t=2.0, delta_l=5.0),
                  bin_translation=2.0, bin_rotation=1.5)  # fmt: skip
-    assert len(votes) == 0 and Search(net, votes, none, whole.screen).find(pattern, places[:3], every).shape == (0, 4, 4)
+    assert len(votes) == 0 and Search(net, votes, none, whole.screen).find(pattern, places[:3], every).shape == (
+        0,
+        4,
+        4,
+    )
     assert whole.find(pattern, places[:3], ~every).shape == (0, 4, 4)
 
 

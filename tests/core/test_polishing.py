@@ -168,7 +168,9 @@ def test_poses_and_curves_settle_on_what_shows_them(seed):
     after = settled(net, draft, free, radius=RADIUS)
     before, now = away(draft, curves, true), away(after, curves, true)
     assert (now < 0.5 * before).all() and now.max() < 0.25
-    assert np.allclose(after.evidence, naive.seen_share(net.points, net.tangents, after.curves, after.poses, radius=RADIUS))
+    assert np.allclose(
+        after.evidence, naive.seen_share(net.points, net.tangents, after.curves, after.poses, radius=RADIUS)
+    )
     assert (after.evidence > 0.9).all()
 
 

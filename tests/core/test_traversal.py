@@ -3,13 +3,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
 import pytest
 
 from core.linking import bend_of_ends
-from core.traversal import NEAR_END, PASSAGE, STEADY, Passages, find_passages, part_shared
+from core.traversal import NEAR_END, OFTEN, PASSAGE, STEADY, find_passages, part_shared, split_where_none_pass
 from tests import naive
 from tests.core import shapes
 
@@ -23,11 +24,11 @@ def trails(lines):
 
 
 def naive_passages(pieces, points, tangents, run, radius=1.8, cosine=0.7):
-    """Counts of pairs {(a, b): n} and of routes {(piece, a, b): n}, one sample of one run after the other."""
+    """Counts of pairs {(a, b): n}, routes {(piece, a, b): n} and arrivals {a: n}, one sample of a run after the other."""
     line = np.concatenate(pieces)
     way = np.concatenate([naive.directions(p) for p in pieces])
     home = [(i, k) for i, p in enumerate(pieces) for k in range(len(p))]
-    pairs, routes = {}, {}
+    pairs, routes, arrivals = {}, {}, {}
     for number in dict.fromkeys(run.tolist()):
         visits = []  # piece, and the samples and places on it in order
         for i in np.flatnonzero(run == number).tolist():
@@ -42,6 +43,10 @@ def naive_passages(pieces, points, tangents, run, radius=1.8, cosine=0.7):
             else:
                 visits.append((piece, [i], [place]))
         visits = [v for v in visits if len(v[1]) >= min(4, len(pieces[v[0]]))]
+        for piece, _, places in visits:
+            for end in (end_at(pieces, piece, places, 3), end_at(pieces, piece, places[::-1], 3)):
+                if end is not None:
+                    arrivals[end] = arrivals.get(end, 0) + 1
         before = None
         for one, two in zip(visits[:-1], visits[1:]):
             goes_on = two[1][0] - one[1][-1] <= 16
@@ -56,17 +61,17 @@ def naive_passages(pieces, points, tangents, run, radius=1.8, cosine=0.7):
                     key = (left // 2, *sorted((before[0], entered)))
                     routes[key] = routes.get(key, 0) + 1
             before = step
-    return pairs, routes
+    return pairs, routes, arrivals
 
 
-def end_at(pieces, piece, places):
+def end_at(pieces, piece, places, near=8):
     """The end of a piece towards which places lead, if the last of them is near it."""
     last = len(pieces[piece]) - 1
     if places[-1] > places[0]:
-        return 2 * piece + 1 if last - places[-1] <= 8 else None
+        return 2 * piece + 1 if last - places[-1] <= near else None
     if places[-1] == places[0] and last >= 4:
         return None
-    return 2 * piece if places[-1] <= 8 else None
+    return 2 * piece if places[-1] <= near else None
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -89,11 +94,12 @@ def test_passages_are_those_of_the_loop(seed):
             runs.append(line)
     given_ = trails(runs)
     got = find_passages(pieces, *given_)
-    pairs, routes = naive_passages(pieces, *given_)
+    pairs, routes, arrivals = naive_passages(pieces, *given_)
     assert got.pairs.shape == (2 * len(pieces),) * 2 and np.array_equal(got.pairs, got.pairs.T)
     assert {(a, b): int(got.pairs[a, b]) for a, b in np.argwhere(got.pairs).tolist()} == pairs
     assert {(int(t), a, b): n for t, (a, b, n) in zip(got.through, got.routes.tolist())} == routes
-    assert len(pairs) > 10 and len(routes) > 3
+    assert got.arrivals.tolist() == [arrivals.get(end, 0) for end in range(2 * len(pieces))]
+    assert len(pairs) > 10 and len(routes) > 3 and len(arrivals) > 10
 
 
 @pytest.mark.parametrize("turned", [False, True])
@@ -156,10 +162,52 @@ def test_of_nothing_comes_nothing():
         got = find_passages(pieces, *given_)
         assert got.pairs.shape == (2 * len(pieces),) * 2 and not got.pairs.any()
         assert got.routes.shape == (0, 3) and got.through.shape == (0,)
+        assert got.arrivals.tolist() == [0] * 2 * len(pieces) and not got.parted.any()
+        assert len(split_where_none_pass(pieces, *given_)) == len(pieces)
         parted, forced = part_shared(pieces, got, NONE, lambda a, b: 0.0)
         assert len(parted) == len(pieces) and forced.shape == (0, 2)
     far = find_passages([shapes.line(9)], points + [0, 0, 50], ways, run)
     assert not far.pairs.any() and len(far.routes) == 0
+
+
+# ---- curves that end at one place
+
+
+@pytest.mark.parametrize("through, parted", [(0, True), (1, False)])
+def test_ends_that_many_runs_come_to_and_none_leads_between_are_parted(rng, through, parted):
+    pieces = [shapes.line(30), shapes.line(30, [31, 0, 0])]
+    runs = [shapes.line(30), shapes.line(30, [31, 0, 0])] * OFTEN + [shapes.line(61)] * through
+    runs = [c + 0.2 * rng.normal(size=c.shape) for c in runs]
+    got = find_passages(pieces, *trails(runs))
+    assert got.arrivals[[1, 2]].tolist() == [OFTEN + through] * 2
+    assert got.parted[1, 2] == got.parted[2, 1] == parted
+    few = find_passages(pieces, *trails(runs[2:]))
+    assert not few.parted.any() or through, "two may have ended by chance"
+
+
+def ends(rng, count, *, through=0, size=60):
+    """Noisy runs along a line that end in its middle, `count` from either side, and some that pass it."""
+    line, middle = shapes.line(size), size // 2
+    runs = [line[: middle + 1], line[middle:]] * count + [line] * through
+    return line, trails([c + 0.15 * rng.normal(size=c.shape) for c in runs])
+
+
+@pytest.mark.parametrize("count, through, cut", [(OFTEN, 0, True), (OFTEN - 1, 0, False), (4, 1, False), (12, 1, True)])
+def test_a_piece_is_cut_where_runs_end_from_both_sides(rng, count, through, cut):
+    line, given_ = ends(rng, count, through=through)
+    other = shapes.line(20, [0, 30, 0])
+    parts = split_where_none_pass([other, line], *given_)
+    assert np.array_equal(parts[0], other) and np.array_equal(np.concatenate(parts[1:]), line)
+    cuts = np.cumsum([len(p) for p in parts[1:-1]])
+    assert (len(cuts) > 0) == cut and (np.abs(cuts - 30) <= 4).all()
+
+
+def test_runs_that_end_from_one_side_or_at_other_places_cut_nothing(rng):
+    line = shapes.line(60)
+    cases = [[line[:31]] * 5, [line[:25]] * 4 + [line[38:]] * 4, [line[: 20 + 3 * k] for k in range(10)]]
+    for runs in cases:
+        (part,) = split_where_none_pass([line], *trails([c + 0.15 * rng.normal(size=c.shape) for c in runs]))
+        assert np.array_equal(part, line)
 
 
 # ---- shared pieces
@@ -205,7 +253,7 @@ def test_where_no_run_shows_it_arms_are_paired_as_they_bend_least():
     nothing = find_passages(pieces, *(x[:0] for x in trails(pieces)))
     smooth, bend = np.array([[1, 8], [5, 8], [2, 9], [6, 9]]), partial(bend_of_ends, pieces)
     # runs outweigh the bend
-    shown = Passages(nothing.pairs, np.array([[1, 6, 2], [2, 5, 2]]), np.array([4, 4]))
+    shown = replace(nothing, routes=np.array([[1, 6, 2], [2, 5, 2]]), through=np.array([4, 4]))
     for passages, expected in ((nothing, {(1, 2), (5, 6)}), (shown, {(1, 6), (2, 5)})):
         parted, forced = part_shared(pieces, passages, smooth, bend)
         assert len(parted) == 6 and sorted(forced[:, 1]) == [8, 9, 10, 11]

@@ -1,0 +1,212 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Templates that are rigid copies of each other become one, and one that holds a thing twice becomes that thing."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from core.copies import congruent_parts, unite
+from core.drafts import seen_share
+from core.parameters import Parameters
+from tests import naive
+from tests.core import shapes
+
+PARAMETERS = Parameters(l0=20.0)
+RADIUS = 1.25 * PARAMETERS.epsilon
+TURNED = naive.rigid(naive.turn([0.3, 1, 0.2], 1.1), [0, 90, 10])
+
+
+def known(net, curves, steps, **more):
+    """A draft of curves of the frame at motions of the world, and what the network shows of it."""
+    poses = np.array([shapes.in_frame(net, m) for m in steps])
+    return shapes.draft(curves, poses, evidence=seen_share(net, curves, poses, radius=RADIUS), **more)
+
+
+def row(step, count, first=None):
+    return [np.linalg.matrix_power(step, k) @ (np.eye(4) if first is None else first) for k in range(count)]
+
+
+def scene(rng, things, *, noise=0.15):
+    """A network of things, each a list of curves, at their places."""
+    curves = [naive.moved(m, c) + noise * rng.normal(size=c.shape) for thing, places in things for m in places
+              for c in thing]  # fmt: skip
+    return shapes.network(curves, smoothing=1.5)
+
+
+def frame(net, m, thing):
+    """Clean curves of a thing at a place of the world, in the network's frame."""
+    return [shapes.to_frame(net, naive.moved(m, naive.resample(c, 1.0))) for c in thing]
+
+
+def homes(net, draft, thing, places):
+    """For each place of the world the nearest occurrence, and how far off the draft's curves are there."""
+    home, gaps = [], []
+    own = np.concatenate(draft.curves)
+    for m in places:
+        truth = frame(net, m, thing)
+        middles = [naive.moved(pose, own).mean(axis=0) for pose in draft.poses]
+        k, _ = naive.nearest(middles, np.concatenate(truth).mean(axis=0))
+        points = naive.moved(draft.poses[k], own[::4])
+        home.append(k)
+        gaps.append(np.mean([min(naive.distance_to_polyline(p, c) for c in truth) for p in points]))
+    return home, np.array(gaps)
+
+
+ALONG, ACROSS = naive.rigid(shift=[50, 5, 0]), naive.rigid(shift=[55, -8, 3])
+
+
+def two_rows(rng, *, curves=4, lost=None):
+    """Two rows of one thing with different steps, the second turned; a draft of each row, and of which places."""
+    thing = shapes.ornament(rng, curves, size=15)
+    first, second = row(ALONG, 4), row(ACROSS, 3, TURNED)
+    net = scene(rng, [(thing, first), (thing, second)])
+    other = thing if lost is None else [c[lost:] for c in thing]
+    back = [m @ np.linalg.inv(TURNED) for m in second]
+    drafts = [known(net, frame(net, np.eye(4), thing), first, transformation=0),
+              known(net, frame(net, TURNED, other), back, transformation=1)]  # fmt: skip
+    return net, thing, first + second, drafts
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_drafts_of_rigid_copies_become_one(seed):
+    rng = np.random.default_rng(seed)
+    net, thing, places, drafts = two_rows(rng)
+    kept = [d.poses.copy() for d in drafts]
+    (one,) = unite(net, drafts, np.ones(len(net.points), bool), PARAMETERS)
+    assert len(one.curves) == 4 and len(one.poses) == 7 and one.evidence.shape == (7, 4)
+    home, gaps = homes(net, one, thing, places)
+    assert sorted(home) == list(range(7)) and gaps.max() < 0.35
+    assert (one.evidence @ one.lengths / one.lengths.sum() > 0.9).all()
+    # the cells of the longer row are still cells of its orbit, with their keys
+    assert one.transformation == 0 and one.orbital.sum() == 4
+    assert [one.keys[home[k], 0] for k in range(4)] == [0, 1, 2, 3] and one.orbital[home[:4]].all()
+    assert all(map(np.array_equal, kept, (d.poses for d in drafts)))
+
+
+def test_the_longer_version_of_the_curves_is_kept(rng):
+    net, thing, places, drafts = two_rows(rng, lost=6)
+    for order in (drafts, drafts[::-1]):
+        (one,) = unite(net, order, np.ones(len(net.points), bool), PARAMETERS)
+        whole = sum(map(len, drafts[0].curves))
+        assert one.lengths.sum() == pytest.approx(whole, rel=0.06) and len(one.poses) == 7
+
+
+def test_poses_are_exact_though_the_copies_are_seen_apart(rng):
+    """Drafts whose curves lie a little beside their truth are not blurred by each other."""
+    net, thing, places, drafts = two_rows(rng)
+    off = [d.__class__(**{**vars(d), "curves": [c + 0.5 * rng.normal(size=(1, 3)) for c in d.curves]}) for d in drafts]
+    (one,) = unite(net, off, np.ones(len(net.points), bool), PARAMETERS)
+    home, gaps = homes(net, one, thing, places)
+    assert sorted(home) == list(range(7)) and gaps.max() < 0.35
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_a_draft_that_holds_a_thing_twice_becomes_that_thing(seed):
+    rng = np.random.default_rng(seed)
+    thing = shapes.ornament(rng, 4, size=15)
+    twin = naive.rigid(naive.turn([0, 0, 1], 0.8), [5, 45, 4])
+    places = row(naive.rigid(shift=[55, 5, 0]), 3)
+    net = scene(rng, [(thing, places), (thing, [m @ twin for m in places])])
+    pair = frame(net, np.eye(4), thing) + frame(net, twin, thing)
+    draft = known(net, pair, places, transformation=3)
+    (one,) = unite(net, [draft], np.ones(len(net.points), bool), PARAMETERS)
+    assert len(one.curves) == 4 and len(one.poses) == 6 and one.transformation == 3
+    home, gaps = homes(net, one, thing, [*places, *(m @ twin for m in places)])
+    assert sorted(home) == list(range(6)) and gaps.max() < 0.35
+
+
+def test_two_pairs_become_one_thing(rng):
+    """Of a pair of pairs first the pair is found, and then what it consists of."""
+    thing = shapes.ornament(rng, 4, size=15)
+    twin, pair = naive.rigid(naive.turn([0, 0, 1], 0.8), [5, 45, 4]), naive.rigid(naive.turn([1, 0, 0], 0.5), [0, 0, 60])
+    four = [np.eye(4), twin, pair, pair @ twin]
+    places = row(naive.rigid(shift=[60, 5, 0]), 2)
+    net = scene(rng, [(thing, [m @ k for m in places for k in four])])
+    draft = known(net, [c for m in four for c in frame(net, m, thing)], places)
+    (one,) = unite(net, [draft], np.ones(len(net.points), bool), PARAMETERS)
+    assert len(one.curves) == 4 and len(one.poses) == 8
+
+
+def test_things_that_differ_stay_what_they_are(rng):
+    first, second = shapes.ornament(rng, 4, size=15), shapes.ornament(rng, 4, size=15)
+    net = scene(rng, [(first, row(ALONG, 3)), (second, row(ALONG, 3, TURNED))])
+    drafts = [known(net, frame(net, np.eye(4), first), row(ALONG, 3)),
+              known(net, frame(net, TURNED, second), row(ALONG, 3))]  # fmt: skip
+    every = np.ones(len(net.points), bool)
+    assert unite(net, drafts, every, PARAMETERS) is drafts
+    assert unite(net, drafts[:1], every, PARAMETERS) == drafts[:1]
+
+
+def test_two_alike_parts_of_one_thing_stay_two(rng):
+    """The halves of an arch and things of their own: a window is not two halves of one."""
+    half = shapes.circle(25)[:60] + [0, 0, 0.2]
+    other = naive.about([0, 0, 1], np.pi, [-40, 0, 0])
+    thing = [half, naive.moved(other, half), *(c + [-40, 0, 25] for c in shapes.ornament(rng, 2, size=15))]
+    places = row(naive.rigid(shift=[0, 90, 8]), 3)
+    net = scene(rng, [(thing, places)])
+    drafts = [known(net, frame(net, np.eye(4), thing), places)]
+    assert unite(net, drafts, np.ones(len(net.points), bool), PARAMETERS) is drafts
+
+
+def test_no_drafts_one_curve_and_one_occurrence(rng):
+    net, thing, places, drafts = two_rows(rng)
+    every = np.ones(len(net.points), bool)
+    assert unite(net, [], every, PARAMETERS) == []
+    single = [drafts[0].part([0])]
+    assert unite(net, single, every, PARAMETERS) is single
+    # one occurrence each: together they are two
+    (one,) = unite(net, [d.part(cells=[1]) for d in drafts], every, PARAMETERS)
+    home, gaps = homes(net, one, thing, [places[1], places[5]])
+    assert len(one.poses) == 2 and sorted(home) == [0, 1] and gaps.max() < 0.35
+    # what no free sample shows is no whole: the parts stay
+    same = unite(net, drafts, ~every, PARAMETERS)
+    assert same is drafts
+
+
+# ---- curves that are copies of each other
+
+
+def congruent(curves, owner):
+    p = PARAMETERS
+    return congruent_parts(curves, owner, l0=p.l0, s=p.s, t=p.t, delta_l=p.delta_l, epsilon=p.epsilon)
+
+
+def test_motions_lead_from_the_first_place_to_the_others(rng):
+    thing = shapes.ornament(rng, 3, size=15)
+    places = [np.eye(4), TURNED, naive.rigid(naive.turn([1, 0, 0], 2.0), [80, 0, 20])]
+    curves = [naive.moved(m, c) + 0.1 * rng.normal(size=c.shape) for m in places for c in thing]
+    curves += [c + [0, 0, 150] for c in shapes.ornament(rng, 2, size=15)]
+    order = rng.permutation(len(curves))
+    (one,) = congruent([curves[k] for k in order], [int(k) // 3 for k in order])
+    assert np.allclose(one[0][0], np.eye(4)) and len(one) == 3
+    sets = [sorted(int(order[k]) for k in members) for _, members in one]
+    assert sorted(sets) == [[0, 1, 2], [3, 4, 5], [6, 7, 8]]
+    start = places[sets[0][0] // 3]
+    for (motion, _), members in zip(one, sets):
+        truth = places[members[0] // 3] @ np.linalg.inv(start)
+        at = np.concatenate([curves[k] for k in sets[0]])
+        assert np.linalg.norm(naive.moved(motion, at) - naive.moved(truth, at), axis=1).mean() < 0.3
+
+
+@pytest.mark.parametrize("count, owners, groups", [(3, 1, 1), (2, 1, 0), (2, 2, 1), (1, 2, 1)])
+def test_how_many_curves_make_a_copy(rng, count, owners, groups):
+    """Within one template three; between two they must be nearly all of both."""
+    thing = shapes.ornament(rng, count, size=15)
+    rest = [c + [0, 0, 60] for c in shapes.ornament(rng, 2, size=15)] if owners == 1 else []
+    curves = thing + [naive.moved(TURNED, c) for c in thing] + rest
+    owner = [0] * count + [owners - 1] * count + [0] * len(rest)
+    assert len(congruent(curves, owner)) == groups
+
+
+def test_templates_that_have_a_part_in_common_are_not_one(rng):
+    thing, more, other = (shapes.ornament(rng, n, size=15) for n in (3, 2, 2))
+    curves = thing + [c + [0, 0, 30] for c in more]
+    curves += [naive.moved(TURNED, c) for c in [*thing, *(c + [0, 0, 30] for c in other)]]
+    assert congruent(curves, [0] * 5 + [1] * 5) == []
+
+
+def test_curves_that_are_too_few_or_too_short(rng):
+    assert congruent([shapes.wiggle(rng, 40)], [0]) == []
+    short = shapes.wiggle(rng, 8, bend=0.4)
+    assert congruent([short, naive.moved(TURNED, short)], [0, 1]) == []
