@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter1d
 
-from core.consolidation import _graph, _longest_shortest_path, condense, fit_curves, trace_curves
+from core.consolidation import _graph, _longest_shortest_path, condense, fit_curves, own_points, trace_curves
 from tests import naive
 from tests.core import shapes
 
@@ -161,10 +161,49 @@ def test_the_longest_shortest_path_is_that_of_all_pairs(rng):
         assert {int(path[0]), int(path[-1])} == {0, 39}
 
 
+def naive_own(lines, points, tangents, run, radius, cosine=0.75, most=0.8):
+    """For each line the points along it whose run follows no other line for a clearly longer way."""
+    ways = [naive.directions(line) for line in lines]
+    near = [[k for k, line in enumerate(lines)
+             if naive.lies_along(p, w, line, ways[k], radius=radius, cosine=cosine, most=1)[0] >= 0]
+            for p, w in zip(points, tangents)]  # fmt: skip
+    followed = {}
+    for i, there in enumerate(near):
+        for k in there:
+            followed[run[i], k] = followed.get((run[i], k), 0) + 1
+    own = [[] for _ in lines]
+    for i, there in enumerate(near):
+        for k in there:
+            if followed[run[i], k] >= most * max(followed[run[i], other] for other in there):
+                own[k].append(i)
+    return own
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_points_belong_to_the_lines_that_their_run_follows(seed):
+    """Bows that touch and lines that cross them; each run goes along one of them, with some clutter."""
+    rng = np.random.default_rng(seed)
+    t = np.linspace(-30, 30, 61)
+    bow = np.c_[t, t**2 / 60 + 0.3, 0 * t]
+    lines = [bow, bow * [1, -1, 1], shapes.line(40, [-20, -4, 0], [1, 0.25, 0])]
+    runs = [c + 0.4 * rng.normal(size=c.shape) for c in lines for _ in range(3)]
+    runs = [c[int(rng.integers(0, 20)) :] for c in runs] + [shapes.wiggle(rng, 30) for _ in range(3)]
+    order = rng.permutation(len(runs))
+    points, run = np.concatenate([runs[k] for k in order]), np.repeat(order, [len(runs[k]) for k in order])
+    tangents = np.concatenate([naive.directions(runs[k]) for k in order])
+    got = own_points(lines, points, tangents, run, radius=2.0)
+    assert [own.tolist() for own in got] == naive_own(lines, points, tangents, run, 2.0)
+    for k, own in enumerate(got):
+        mine = np.isin(run[own], range(3 * k, 3 * k + 3))
+        assert len(own) > 60 and mine.mean() > 0.6
+    assert own_points([], points, tangents, run, radius=2.0) == []
+
+
 def test_few_points():
     assert trace_curves(np.zeros((0, 3)), np.zeros((0, 3))) == []
     assert trace_curves(np.zeros((1, 3)), np.ones((1, 3))) == []
     short = shapes.line(3)
     assert trace_curves(short, np.tile([1.0, 0, 0], (3, 1)), shortest=10) == []
-    lines, rings = fit_curves([shapes.line(4)], shapes.line(4), np.tile([1.0, 0, 0], (4, 1)), np.ones(4), np.zeros(4, int))
+    ways, run = np.tile([1.0, 0, 0], (4, 1)), np.zeros(4, int)
+    lines, rings = fit_curves([shapes.line(4)], shapes.line(4), ways, np.ones(4), run)
     assert lines == [] and rings == [], "shorter than what is kept"

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -14,7 +16,7 @@ from tests.core import shapes
 
 PARAMETERS = Parameters(l0=20.0)
 RADIUS = 1.25 * PARAMETERS.epsilon
-TURNED = naive.rigid(naive.turn([0.3, 1, 0.2], 1.1), [0, 90, 10])
+TURNED = naive.rigid(naive.turn([0.3, 1, 0.2], 1.1), [0, 130, 10])
 
 
 def known(net, curves, steps, **more):
@@ -53,12 +55,12 @@ def homes(net, draft, thing, places):
     return home, np.array(gaps)
 
 
-ALONG, ACROSS = naive.rigid(shift=[50, 5, 0]), naive.rigid(shift=[55, -8, 3])
+ALONG, ACROSS = naive.rigid(shift=[75, 5, 0]), naive.rigid(shift=[80, -8, 3])
 
 
 def two_rows(rng, *, curves=4, lost=None):
     """Two rows of one thing with different steps, the second turned; a draft of each row, and of which places."""
-    thing = shapes.ornament(rng, curves, size=15)
+    thing = shapes.ornament(rng, curves, size=24)
     first, second = row(ALONG, 4), row(ACROSS, 3, TURNED)
     net = scene(rng, [(thing, first), (thing, second)])
     other = thing if lost is None else [c[lost:] for c in thing]
@@ -95,7 +97,7 @@ def test_the_longer_version_of_the_curves_is_kept(rng):
 def test_poses_are_exact_though_the_copies_are_seen_apart(rng):
     """Drafts whose curves lie a little beside their truth are not blurred by each other."""
     net, thing, places, drafts = two_rows(rng)
-    off = [d.__class__(**{**vars(d), "curves": [c + 0.5 * rng.normal(size=(1, 3)) for c in d.curves]}) for d in drafts]
+    off = [replace(d, curves=[c + 0.5 * rng.normal(size=(1, 3)) for c in d.curves]) for d in drafts]
     (one,) = unite(net, off, np.ones(len(net.points), bool), PARAMETERS)
     home, gaps = homes(net, one, thing, places)
     assert sorted(home) == list(range(7)) and gaps.max() < 0.35
@@ -104,9 +106,9 @@ def test_poses_are_exact_though_the_copies_are_seen_apart(rng):
 @pytest.mark.parametrize("seed", range(2))
 def test_a_draft_that_holds_a_thing_twice_becomes_that_thing(seed):
     rng = np.random.default_rng(seed)
-    thing = shapes.ornament(rng, 4, size=15)
-    twin = naive.rigid(naive.turn([0, 0, 1], 0.8), [5, 45, 4])
-    places = row(naive.rigid(shift=[55, 5, 0]), 3)
+    thing = shapes.ornament(rng, 4, size=24)
+    twin = naive.rigid(naive.turn([0, 0, 1], 0.8), [5, 70, 4])
+    places = row(naive.rigid(shift=[80, 5, 0]), 3)
     net = scene(rng, [(thing, places), (thing, [m @ twin for m in places])])
     pair = frame(net, np.eye(4), thing) + frame(net, twin, thing)
     draft = known(net, pair, places, transformation=3)
@@ -118,10 +120,13 @@ def test_a_draft_that_holds_a_thing_twice_becomes_that_thing(seed):
 
 def test_two_pairs_become_one_thing(rng):
     """Of a pair of pairs first the pair is found, and then what it consists of."""
-    thing = shapes.ornament(rng, 4, size=15)
-    twin, pair = naive.rigid(naive.turn([0, 0, 1], 0.8), [5, 45, 4]), naive.rigid(naive.turn([1, 0, 0], 0.5), [0, 0, 60])
+    thing = shapes.ornament(rng, 4, size=24)
+    twin, pair = (
+        naive.rigid(naive.turn([0, 0, 1], 0.8), [5, 70, 4]),
+        naive.rigid(naive.turn([1, 0, 0], 0.5), [0, 0, 90]),
+    )
     four = [np.eye(4), twin, pair, pair @ twin]
-    places = row(naive.rigid(shift=[60, 5, 0]), 2)
+    places = row(naive.rigid(shift=[85, 5, 0]), 2)
     net = scene(rng, [(thing, [m @ k for m in places for k in four])])
     draft = known(net, [c for m in four for c in frame(net, m, thing)], places)
     (one,) = unite(net, [draft], np.ones(len(net.points), bool), PARAMETERS)
@@ -129,7 +134,7 @@ def test_two_pairs_become_one_thing(rng):
 
 
 def test_things_that_differ_stay_what_they_are(rng):
-    first, second = shapes.ornament(rng, 4, size=15), shapes.ornament(rng, 4, size=15)
+    first, second = shapes.ornament(rng, 4, size=24), shapes.ornament(rng, 4, size=24)
     net = scene(rng, [(first, row(ALONG, 3)), (second, row(ALONG, 3, TURNED))])
     drafts = [known(net, frame(net, np.eye(4), first), row(ALONG, 3)),
               known(net, frame(net, TURNED, second), row(ALONG, 3))]  # fmt: skip
@@ -142,7 +147,7 @@ def test_two_alike_parts_of_one_thing_stay_two(rng):
     """The halves of an arch and things of their own: a window is not two halves of one."""
     half = shapes.circle(25)[:60] + [0, 0, 0.2]
     other = naive.about([0, 0, 1], np.pi, [-40, 0, 0])
-    thing = [half, naive.moved(other, half), *(c + [-40, 0, 25] for c in shapes.ornament(rng, 2, size=15))]
+    thing = [half, naive.moved(other, half), *(c + [-40, 0, 25] for c in shapes.ornament(rng, 2, size=24))]
     places = row(naive.rigid(shift=[0, 90, 8]), 3)
     net = scene(rng, [(thing, places)])
     drafts = [known(net, frame(net, np.eye(4), thing), places)]
@@ -173,10 +178,10 @@ def congruent(curves, owner):
 
 
 def test_motions_lead_from_the_first_place_to_the_others(rng):
-    thing = shapes.ornament(rng, 3, size=15)
-    places = [np.eye(4), TURNED, naive.rigid(naive.turn([1, 0, 0], 2.0), [80, 0, 20])]
+    thing = shapes.ornament(rng, 3, size=24)
+    places = [np.eye(4), TURNED, naive.rigid(naive.turn([1, 0, 0], 2.0), [110, 0, 20])]
     curves = [naive.moved(m, c) + 0.1 * rng.normal(size=c.shape) for m in places for c in thing]
-    curves += [c + [0, 0, 150] for c in shapes.ornament(rng, 2, size=15)]
+    curves += [c + [0, 0, 150] for c in shapes.ornament(rng, 2, size=24)]
     order = rng.permutation(len(curves))
     (one,) = congruent([curves[k] for k in order], [int(k) // 3 for k in order])
     assert np.allclose(one[0][0], np.eye(4)) and len(one) == 3
@@ -192,15 +197,15 @@ def test_motions_lead_from_the_first_place_to_the_others(rng):
 @pytest.mark.parametrize("count, owners, groups", [(3, 1, 1), (2, 1, 0), (2, 2, 1), (1, 2, 1)])
 def test_how_many_curves_make_a_copy(rng, count, owners, groups):
     """Within one template three; between two they must be nearly all of both."""
-    thing = shapes.ornament(rng, count, size=15)
-    rest = [c + [0, 0, 60] for c in shapes.ornament(rng, 2, size=15)] if owners == 1 else []
+    thing = shapes.ornament(rng, count, size=24)
+    rest = [c + [0, 0, 60] for c in shapes.ornament(rng, 2, size=24)] if owners == 1 else []
     curves = thing + [naive.moved(TURNED, c) for c in thing] + rest
     owner = [0] * count + [owners - 1] * count + [0] * len(rest)
     assert len(congruent(curves, owner)) == groups
 
 
 def test_templates_that_have_a_part_in_common_are_not_one(rng):
-    thing, more, other = (shapes.ornament(rng, n, size=15) for n in (3, 2, 2))
+    thing, more, other = (shapes.ornament(rng, n, size=24) for n in (3, 2, 2))
     curves = thing + [c + [0, 0, 30] for c in more]
     curves += [naive.moved(TURNED, c) for c in [*thing, *(c + [0, 0, 30] for c in other)]]
     assert congruent(curves, [0] * 5 + [1] * 5) == []

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from core.linking import bend, join_images, join_paths, split_at_corners
+from core.linking import bend, join_paths, linked_paths, split_at_corners
 from tests import naive
 from tests.core import shapes
 
@@ -79,7 +79,7 @@ def test_a_path_closes_when_its_own_ends_fit():
 
 
 def test_of_nothing_comes_nothing():
-    assert join_paths([]) == [] and join_images([], np.eye(4)[None]) == []
+    assert join_paths([]) == [] and linked_paths([]) == []
     ((line, closed),) = join_paths([shapes.line(2)])
     assert len(line) == 2 and not closed
 
@@ -106,26 +106,27 @@ def test_chains_are_the_components_of_their_joints(rng):
     assert got == naive.components(len(parts), edges)
 
 
-def test_a_curve_goes_on_in_the_next_cell():
-    step = naive.rigid(shift=[40, 0, 0])
-    images = np.array([step, np.linalg.inv(step)])
-    # the wave of one cell, cut in its middle by the border of the cell: its right part comes first
-    wave = np.c_[np.arange(30.0), 4 * np.sin(np.arange(30) / 6), np.zeros(30)]
-    left, right = wave[:14], wave[16:] - [40, 0, 0]
-    (whole,) = join_images([left, right], images)
-    assert len(whole) == len(left) + len(right)
-    inside = [
-        min(np.abs(naive.moved(m, whole) - p).max(axis=1).min() for m in (np.eye(4), *images)) for p in wave[[3, 25]]
-    ]
-    assert max(inside) < 1e-9
-    assert naive.length(whole) == pytest.approx(naive.length(wave), rel=0.02)
+def test_what_the_input_tells_of_ends_comes_before_how_they_look():
+    """At a right angle curves pass; straight on none does, though many come to both ends."""
+    a, b, c = shapes.line(20), shapes.line(20, [21, 1, 0], [0, 1, 0]), shapes.line(20, [22, 0, 0])
+    passed, parted = np.zeros((6, 6), int), np.zeros((6, 6), bool)
+    assert sorted(m for _, _, m in linked_paths([a, b, c])) == [[0, 2], [1]]
+    passed[1, 2] = passed[2, 1] = 2
+    assert sorted(sorted(m) for _, _, m in linked_paths([a, b, c], passed=passed)) == [[0, 1], [2]]
+    passed[1, 2] = passed[2, 1] = 1
+    assert sorted(m for _, _, m in linked_paths([a, b, c], passed=passed)) == [[0, 2], [1]], "one may be noise"
+    parted[1, 4] = parted[4, 1] = True
+    assert sorted(m for _, _, m in linked_paths([a, b, c], parted=parted)) == [[0], [1], [2]]
+    forced = np.array([[1, 2]])
+    assert sorted(sorted(m) for _, _, m in linked_paths([a, b, c], forced=forced)) == [[0, 1], [2]]
 
 
-def test_what_runs_through_all_cells_stays_as_it_is():
-    step = naive.rigid(shift=[40, 0, 0])
-    cornice = shapes.line(39)
-    (line,) = join_images([cornice], np.array([step, np.linalg.inv(step)]))
-    assert np.array_equal(line, cornice)
+def test_long_gaps_ask_for_ends_that_fit():
+    a, straight, beside = shapes.line(30), shapes.line(30, [49, 0.5, 0]), shapes.line(30, [49, 8, 0])
+    options = {"gap": 25, "angle": 20, "most": 1.0, "arm": 25}
+    assert len(linked_paths([a, straight], **options)) == 1
+    assert len(linked_paths([a, beside], **options)) == 2
+    assert len(linked_paths([a, straight], **{**options, "gap": 15})) == 2
 
 
 @pytest.mark.parametrize("angle, parts", [(0, 1), (40, 1), (75, 2), (90, 2), (120, 2)])

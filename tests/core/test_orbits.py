@@ -146,6 +146,26 @@ def test_two_rows_of_different_things_are_two_orbits(rng):
     assert orbits[0].support >= orbits[1].support
 
 
+def test_a_motion_must_explain_something_new(rng):
+    """A row of pairs: what leads from the one to the other of a pair explains nothing that the row does not.
+
+    Where such a pair stands beside the row as well, it does.
+    """
+    step, twin = naive.rigid(shift=[60, 5, 0]), naive.rigid(naive.turn([0, 0, 1], 1.2), [4, 45, 3])
+    pairs = [m @ k for m in powers(step, range(5)) for k in (np.eye(4), twin)]
+    aside = naive.rigid(shift=[30, -170, 60])
+    net = scene(rng, pairs)
+    lead, *rest = found_in(net, step, twin, *powers(step, [2]))
+    assert lead.kind == "translation" and same(net, lead.generators[0], step) and not rest
+    other = shapes.ornament(rng, 4)
+    curves = [net.to_world(net.curve(k)) for k in range(len(net))]
+    curves += [naive.moved(m @ aside, c) for m in (np.eye(4), twin) for c in other]
+    net = shapes.network(curves)
+    lead, *rest = found_in(net, step, twin, *powers(step, [2]))
+    assert lead.kind == "translation" and same(net, lead.generators[0], step)
+    assert [o.kind for o in rest] == ["single"] and same(net, rest[0].generators[0], twin)
+
+
 def test_nothing_comes_of_nothing(rng):
     net = scene(rng, [np.eye(4)])
     screen = Screen(net, radius=2.0)

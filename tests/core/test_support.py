@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -182,3 +184,97 @@ def test_true_motions_stand_out_and_slips_do_not(rng):
     prominence = screen.prominence(np.array([truth, along]))
     assert prominence[0] > 0.6 * screen.score(truth[None])[0]
     assert prominence[1] <= 0.1 * prominence[0]
+
+
+# ---- other sources, weights and what holds a motion
+
+
+def pattern(points, tangents, run):
+    """Samples that are moved onto a network without being one."""
+    return SimpleNamespace(
+        points=points, tangents=tangents, weights=np.ones(len(points)), curve_of=run, normals=None, kind=None
+    )
+
+
+def test_samples_of_another_source_are_moved_onto_the_network(rng):
+    net, truth = scene(rng)
+    thing = np.isin(net.source[net.curve_of], range(4))
+    back = shapes.random_motion(rng)
+    own = pattern(naive.moved(back, net.points[thing]), net.tangents[thing] @ back[:3, :3].T, net.curve_of[thing])
+    screen = Screen(net, own, radius=2.0, still=None)
+    there = np.linalg.inv(back)
+    motions = np.array([there, truth @ there, shapes.random_motion(rng)])
+    got = screen.score(motions)
+    assert got[:2].min() > 0.8 * thing.sum() and got[2] < 0.2 * thing.sum()
+    for m, row, sample, target in zip(*zip(*[(m, *screen.hits(m[None])) for m in motions])):
+        assert (row == 0).all() and sample.max(initial=0) < thing.sum()
+        moved = naive.moved(m, own.points[sample]) if len(sample) else np.zeros((0, 3))
+        assert np.linalg.norm(moved - net.points[target], axis=1).max(initial=0) < 2.0 + np.sqrt(3)
+    near, hit = screen.nearest(motions)
+    assert near.shape == hit.shape == (3, thing.sum())
+
+
+def test_samples_may_stay_where_they_are_if_it_is_said_so(rng):
+    net, _ = scene(rng)
+    stays, n = np.eye(4)[None], len(net.points)
+    row, sample, target = Screen(net, radius=2.0, still=None).hits(stays)
+    # where curves cross, the sample of another one may be taken for the nearest
+    assert len(sample) > 0.97 * n and (sample == target).mean() > 0.6
+    assert Screen(net, radius=2.0, still=None).supported(stays).mean() > 0.95
+    assert len(Screen(net, radius=2.0, still=4.0).hits(stays)[1]) == 0
+
+
+def test_what_is_supported_by_any_motion_is_that_of_the_loop(rng):
+    net, truth = scene(rng)
+    screen = Screen(net, radius=2.0)
+    line = net.tangents[net.curve_of == 0].mean(axis=0)
+    motions = np.array([truth, np.linalg.inv(truth), naive.rigid(shift=20 * line)])
+    expected = np.zeros(len(net.points), bool)
+    for m in motions:
+        hit, _ = naive.recurs(net.points, net.tangents, m, net.points, net.tangents, radius=2.0)
+        moves = [np.linalg.norm(naive.moved(m, [p])[0] - p) > 4 for p in net.points]
+        expected |= naive.long_stretches(hit & moves, net.curve_of, [screen.least] * len(hit))
+    got = screen.supported(motions)
+    assert (got == expected).mean() > 0.95, "exact to half a voxel"
+    one_by_one = [screen.supported(m[None]) for m in motions]
+    assert np.array_equal(got, np.any(one_by_one, axis=0))
+    assert one_by_one[2][net.curve_of == 0].mean() > 0.6, "what slips is explained as well"
+    assert not screen.supported(motions[:0]).any() and screen.supported(motions[:0]).shape == (len(net.points),)
+
+
+def test_samples_count_by_the_weight_that_is_given(rng):
+    net, truth = scene(rng)
+    screen, n = Screen(net, radius=2.0), len(net.points)
+    motions = np.array([truth, np.linalg.inv(truth), shapes.random_motion(rng)])
+    whole = screen.score(motions)
+    assert np.allclose(screen.score(motions, weight=screen.weight), whole)
+    assert (screen.score(motions, weight=np.zeros(n)) == 0).all()
+    first = np.where(rng.random(n) < 0.5, screen.weight, 0)
+    parts = screen.score(motions, weight=first), screen.score(motions, weight=screen.weight - first)
+    assert np.allclose(sum(parts), whole) and (parts[0][:2] > 0).all() and (parts[1][:2] > 0).all()
+    one = np.zeros(n)
+    i, k, _ = screen.hits(truth[None])
+    one[k[len(k) // 2]] = 7.0
+    assert screen.score(motions[:1], weight=one)[0] in (0, 7.0)
+    assert np.array_equal(screen.score(motions), whole), "the network's own weights stay"
+
+
+def test_what_holds_a_motion_is_that_of_the_loop(rng):
+    net, truth = scene(rng)
+    screen = Screen(net, radius=2.0)
+    line = net.tangents[net.curve_of == 0].mean(axis=0)
+    motions = np.array([truth, naive.rigid(shift=20 * line), shapes.random_motion(rng)])
+    got = screen.held(motions)
+    for m, held in zip(motions, got):
+        i, k, j = screen.hits(m[None])
+        flags = np.zeros(len(net.points), bool)
+        flags[k] = True
+        long = naive.long_stretches(flags, net.curve_of, [screen.least] * len(flags))
+        total = np.zeros((3, 3))
+        for sample, target in zip(k, j):
+            if long[sample]:
+                way = net.tangents[target]
+                total += net.weights[sample] * (np.eye(3) - np.outer(way, way))
+        assert held == pytest.approx(np.linalg.eigvalsh(total)[0], abs=1e-4)
+    assert got[0] > 20 and got[1] < 0.05 * got[0], "a slip along a straight line is held by nothing"
+    assert screen.held(motions[:0]).shape == (0,)

@@ -24,7 +24,7 @@ def trails(lines):
 
 
 def naive_passages(pieces, points, tangents, run, radius=1.8, cosine=0.7):
-    """Counts of pairs {(a, b): n}, routes {(piece, a, b): n} and arrivals {a: n}, one sample of a run after the other."""
+    """Counts of pairs {(a, b): n}, routes {(piece, a, b): n} and arrivals {a: n}, one sample of a run at a time."""
     line = np.concatenate(pieces)
     way = np.concatenate([naive.directions(p) for p in pieces])
     home = [(i, k) for i, p in enumerate(pieces) for k in range(len(p))]
