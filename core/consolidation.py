@@ -130,26 +130,39 @@ def _graph(points, tangents):
 
 
 def _junctions(points, graph, tree, *, inner=2.2, outer=4.0):
-    """(n,) bool, nodes from which three or more arms lead through the ring between two radii."""
-    flags = np.zeros(len(points), bool)
-    starts, targets = graph.indptr, graph.indices
-    for k, ball in enumerate(tree.query_ball_point(points, outer)):
-        inside, seen, front = set(ball), {k}, [k]
-        while front:
-            front = [t for f in front for t in targets[starts[f] : starts[f + 1]] if t in inside and t not in seen]
-            front = list(dict.fromkeys(front))
-            seen.update(front)
-        ring = [b for b in seen if np.abs(points[b] - points[k]).max() > inner / 2]
-        ring = {b for b in ring if ((points[b] - points[k]) ** 2).sum() > inner**2}
-        arms = 0
-        while ring:
-            arms += 1
-            front = [ring.pop()]
-            while front:
-                front = [t for f in front for t in targets[starts[f] : starts[f + 1]] if t in ring]
-                ring.difference_update(front)
-        flags[k] = arms >= 3
-    return flags
+    """(n,) bool, nodes from which three or more arms lead through the ring between two radii.
+
+    Notes
+    -----
+    All nodes at once: node (k, b) of one large graph is node b as seen from node k, in the ball around it.
+    """
+    n = len(points)
+    pair = tree.query_pairs(outer, output_type="ndarray")
+    own = np.arange(n)
+    centre, node = np.concatenate([pair[:, 0], pair[:, 1], own]), np.concatenate([pair[:, 1], pair[:, 0], own])
+    key = np.sort(centre * n + node)
+    centre, node = key // n, key % n
+    # Each edge of the graph, as seen from every node that has both its ends in its ball.
+    degree = np.diff(graph.indptr)[node]
+    source = np.repeat(np.arange(len(key)), degree)
+    step = np.arange(len(source)) - np.repeat(np.cumsum(degree) - degree, degree)
+    target = graph.indices[np.repeat(graph.indptr[node], degree) + step]
+    wanted = centre[source] * n + target
+    at = np.minimum(np.searchsorted(key, wanted), len(key) - 1)
+    inside = key[at] == wanted
+    a, b = source[inside], at[inside]
+    ball = _parts_of(len(key), a, b)
+    reached = ball == ball[np.searchsorted(key, own * n + own)][centre]
+    ring = reached & (((points[node] - points[centre]) ** 2).sum(1) > inner**2)
+    both = ring[a] & ring[b]
+    arm = _parts_of(len(key), a[both], b[both])[ring]
+    arms = np.unique(np.stack([centre[ring], arm], axis=1), axis=0)[:, 0]
+    return np.bincount(arms, minlength=n) >= 3
+
+
+def _parts_of(count, a, b):
+    """(count,) int, the connected component of each node of a graph with edges (a, b)."""
+    return connected_components(coo_matrix((np.ones(len(a), bool), (a, b)), shape=(count, count)), directed=False)[1]
 
 
 def _longest_shortest_path(graph):

@@ -93,6 +93,9 @@ def explained_samples(network: CurveNetwork, draft: Draft, *, radius, rivals: Dr
 RIVAL = 1.0
 """Edge lengths by which another curve must be nearer to a sample to have it."""
 
+BLOCK = 100_000
+"""Points that are looked up at a time; bounds the memory, not the result."""
+
 
 def seen_share(network: CurveNetwork, curves, poses, *, radius, free=None, cosine=0.75):
     """(a, c) float64, share of each curve, placed by each pose, that lies along samples of the network.
@@ -113,10 +116,12 @@ def seen_points(network: CurveNetwork, curves, poses, *, radius, free=None, cosi
     if not len(samples):
         return seen
     tree, lines = cKDTree(network.points[samples]), network.tangents[samples]
-    for a, pose in enumerate(poses):
-        at, way = points @ pose[:3, :3].T + pose[:3, 3], tangents @ pose[:3, :3].T
+    block = max(1, BLOCK // len(points))
+    for begin in range(0, len(poses), block):
+        r, t = poses[begin : begin + block, :3, :3], poses[begin : begin + block, None, :3, 3]
+        at, way = points @ np.swapaxes(r, 1, 2) + t, tangents @ np.swapaxes(r, 1, 2)
         distance, near = tree.query(at, k=3, distance_upper_bound=radius, workers=-1)
         found = np.isfinite(distance)
-        same = np.abs((lines[np.where(found, near, 0)] * way[:, None]).sum(-1)) > cosine
-        seen[a] = (found & same).any(axis=1)
+        same = np.abs((lines[np.where(found, near, 0)] * way[:, :, None]).sum(-1)) > cosine
+        seen[begin : begin + block] = (found & same).any(axis=-1)
     return seen

@@ -11,6 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import correlate1d
 from scipy.spatial import cKDTree
 
 from .errors import InputError
@@ -224,23 +225,17 @@ def _smooth(points, offsets, closed, sigma, order=2):
 def _gaussian_mean(points, offsets, closed, sigma):
     """Gaussian mean along each curve; open ends are reflected through the end point."""
     radius = int(np.ceil(3 * sigma))
-    tap = np.exp(-0.5 * (np.arange(-radius, radius + 1) / sigma) ** 2)
-    tap /= tap.sum()
-    first = np.repeat(offsets[:-1], np.diff(offsets))
-    last = np.repeat(offsets[1:], np.diff(offsets)) - 1
-    ring = np.repeat(closed, np.diff(offsets))[:, None]
-    here = np.arange(len(points))
-    out = np.zeros_like(points)
-    for k, weight in zip(range(-radius, radius + 1), tap):
-        j = here + k
-        wrapped = points[first + (j - first) % (last - first + 1)]
-        low, high = np.clip(2 * first - j, first, last), np.clip(2 * last - j, first, last)
-        below, above = (j < first)[:, None], (j > last)[:, None]
-        open_ = np.where(
-            below, 2 * points[first] - points[low],
-            np.where(above, 2 * points[last] - points[high], points[np.clip(j, first, last)]),
-        )
-        out += weight * np.where(ring, wrapped, open_)
+    taps = np.exp(-0.5 * (np.arange(-radius, radius + 1) / sigma) ** 2)
+    taps /= taps.sum()
+    out = np.empty_like(points)
+    for first, stop, ring in zip(offsets[:-1], offsets[1:], closed):
+        p = points[first:stop]
+        if ring:
+            padded = p[np.arange(-radius, len(p) + radius) % len(p)]
+        else:
+            k = np.minimum(np.arange(1, radius + 1), len(p) - 1)
+            padded = np.concatenate([2 * p[0] - p[k[::-1]], p, 2 * p[-1] - p[len(p) - 1 - k]])
+        out[first:stop] = correlate1d(padded, taps, axis=0, mode="nearest")[radius : radius + len(p)]
     return out
 
 

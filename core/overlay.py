@@ -204,7 +204,9 @@ def agreement(overlay: Overlay, *, radius, cosine=0.8, stretch=8, shifts=None, p
         if not len(other) or not len(rest):
             continue
         tree = cKDTree(points[other])
-        distance, near = tree.query(points[rest], k=2, distance_upper_bound=radius, workers=-1)
+        distance, near = tree.query(
+            points[rest], k=2, distance_upper_bound=radius, workers=-1 if len(rest) > 20_000 else 1
+        )
         hit, foot = np.zeros(n, bool), np.zeros((n, 3))
         for k in (1, 0):
             found = np.isfinite(distance[:, k])

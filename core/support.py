@@ -203,6 +203,12 @@ class Screen:
     def _chunks(self, motions, function, chunk):
         chunk = chunk or max(1, 100_000 // len(self.points))
         parts = [motions[i : i + chunk] for i in range(0, len(motions), chunk)]
+        if len(parts) == 1 or self.threads == 1:
+            done = []
+            for one in parts:
+                done.append(function(one))
+                self.tick()
+            return done
         with ThreadPoolExecutor(max(1, self.threads)) as pool:
             waiting = [pool.submit(function, part) for part in parts]
             try:

@@ -49,7 +49,7 @@ def homes(net, draft, thing, places):
         truth = frame(net, m, thing)
         middles = [naive.moved(pose, own).mean(axis=0) for pose in draft.poses]
         k, _ = naive.nearest(middles, np.concatenate(truth).mean(axis=0))
-        points = naive.moved(draft.poses[k], own[::4])
+        points = naive.moved(draft.poses[k], own[::6])
         home.append(k)
         gaps.append(np.mean([min(naive.distance_to_polyline(p, c) for c in truth) for p in points]))
     return home, np.array(gaps)
@@ -70,9 +70,7 @@ def two_rows(rng, *, curves=4, lost=None):
     return net, thing, first + second, drafts
 
 
-@pytest.mark.parametrize("seed", range(2))
-def test_drafts_of_rigid_copies_become_one(seed):
-    rng = np.random.default_rng(seed)
+def test_drafts_of_rigid_copies_become_one(rng):
     net, thing, places, drafts = two_rows(rng)
     kept = [d.poses.copy() for d in drafts]
     (one,) = unite(net, drafts, np.ones(len(net.points), bool), PARAMETERS)
@@ -86,26 +84,18 @@ def test_drafts_of_rigid_copies_become_one(seed):
     assert all(map(np.array_equal, kept, (d.poses for d in drafts)))
 
 
-def test_the_longer_version_of_the_curves_is_kept(rng):
-    net, thing, places, drafts = two_rows(rng, lost=6)
-    for order in (drafts, drafts[::-1]):
-        (one,) = unite(net, order, np.ones(len(net.points), bool), PARAMETERS)
-        whole = sum(map(len, drafts[0].curves))
-        assert one.lengths.sum() == pytest.approx(whole, rel=0.06) and len(one.poses) == 7
-
-
-def test_poses_are_exact_though_the_copies_are_seen_apart(rng):
-    """Drafts whose curves lie a little beside their truth are not blurred by each other."""
-    net, thing, places, drafts = two_rows(rng)
-    off = [replace(d, curves=[c + 0.5 * rng.normal(size=(1, 3)) for c in d.curves]) for d in drafts]
-    (one,) = unite(net, off, np.ones(len(net.points), bool), PARAMETERS)
+@pytest.mark.parametrize("first", [0, 1])
+def test_the_longer_version_of_the_curves_is_kept_and_not_blurred(rng, first):
+    """Of two drafts one has shorter curves, and both lie a little beside the truth."""
+    net, thing, places, drafts = two_rows(rng, lost=4)
+    off = [replace(d, curves=[c + 0.35 * rng.normal(size=(1, 3)) for c in d.curves]) for d in drafts]
+    (one,) = unite(net, [off[first], off[1 - first]], np.ones(len(net.points), bool), PARAMETERS)
+    assert one.lengths.sum() == pytest.approx(drafts[0].lengths.sum(), rel=0.06)
     home, gaps = homes(net, one, thing, places)
     assert sorted(home) == list(range(7)) and gaps.max() < 0.35
 
 
-@pytest.mark.parametrize("seed", range(2))
-def test_a_draft_that_holds_a_thing_twice_becomes_that_thing(seed):
-    rng = np.random.default_rng(seed)
+def test_a_draft_that_holds_a_thing_twice_becomes_that_thing(rng):
     thing = shapes.ornament(rng, 4, size=24)
     twin = naive.rigid(naive.turn([0, 0, 1], 0.8), [5, 70, 4])
     places = row(naive.rigid(shift=[80, 5, 0]), 3)

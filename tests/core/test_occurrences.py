@@ -123,7 +123,7 @@ def test_what_holds_a_pose(rng):
     stiff = {}
     for name, curves in things.items():
         net = shapes.network(curves, closed=["ring" in name] * len(curves))
-        probe = Screen(net, radius=2.0, still=None, field=NeighbourField(net.points, 2.0, voxel=0.25))
+        probe = Screen(net, radius=2.0, still=None, field=NeighbourField(net.points, 2.0, voxel=0.4))
         share, got = shown(probe, np.eye(4)[None], np.ones(len(net.points), bool))
         assert share[0] > 0.97
         stiff[name] = got[0]
@@ -209,7 +209,7 @@ def test_no_places():
 # ---- the search
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_a_thing_beside_the_lattice_is_found(seed):
     rng = np.random.default_rng(seed)
     net, places, curves = scene(rng, [*ROW, BESIDE])
@@ -242,7 +242,7 @@ def test_all_other_places_are_found_from_one(rng):
 
 @pytest.mark.parametrize("seed", range(2))
 def test_nothing_is_found_in_clutter(seed):
-    net, places, curves = scene(np.random.default_rng(seed), ROW, clutter=14)
+    net, places, curves = scene(np.random.default_rng(seed), ROW, clutter=10)
     found = search_in(net).find(pattern_of(curves), places, np.ones(len(net.points), bool))
     assert found.shape == (0, 4, 4)
 

@@ -206,10 +206,10 @@ def test_samples_of_another_source_are_moved_onto_the_network(rng):
     motions = np.array([there, truth @ there, shapes.random_motion(rng)])
     got = screen.score(motions)
     assert got[:2].min() > 0.8 * thing.sum() and got[2] < 0.2 * thing.sum()
-    for m, row, sample, target in zip(*zip(*[(m, *screen.hits(m[None])) for m in motions])):
-        assert (row == 0).all() and sample.max(initial=0) < thing.sum()
-        moved = naive.moved(m, own.points[sample]) if len(sample) else np.zeros((0, 3))
-        assert np.linalg.norm(moved - net.points[target], axis=1).max(initial=0) < 2.0 + np.sqrt(3)
+    for m in motions[:2]:
+        _, sample, target = screen.hits(m[None])
+        away = np.linalg.norm(naive.moved(m, own.points[sample]) - net.points[target], axis=1)
+        assert len(sample) > 0.8 * thing.sum() and away.max() < 2.0 + np.sqrt(3)
     near, hit = screen.nearest(motions)
     assert near.shape == hit.shape == (3, thing.sum())
 
