@@ -15,7 +15,7 @@ from scipy.cluster.hierarchy import fcluster, linkage
 from scipy.spatial.distance import pdist
 
 from .network import CurveNetwork
-from .rigid import exponential, screw_velocity
+from .rigid import exponential, inverse, screw_velocity
 from .support import Screen
 from .voting import Votes
 
@@ -63,26 +63,25 @@ def cluster_votes(
     _, lead = np.unique(group_motions(motions, 6.0, 3.0), return_index=True)
     motions = motions[np.sort(lead)[:REFINED]]
     motions = _refined(middle, motions, 4, lambda f: report(0.5 + 0.2 * f))
-    motions = _refined(screen, motions, 2, lambda f: report(0.7 + 0.2 * f))
-    support = screen.score(motions)
-    keep = support > 0
-    motions, support = motions[keep], support[keep]
-    labels = group_motions(motions, cluster_translation, cluster_rotation)
-    order = np.lexsort((-support, labels))
-    lead = np.ones(len(order), bool)
-    lead[1:] = labels[order[1:]] != labels[order[:-1]]
-    motions = screen.refine(motions[order[lead]], 2)
-    support = screen.score(motions)
-    # T and its inverse are one fact: turn all the same way, then group once more.
-    motions = np.where(_backward(motions)[:, None, None], np.linalg.inv(motions), motions)
-    support = np.maximum(support, screen.score(motions))
-    order = np.argsort(-support, kind="stable")
-    motions, support = motions[order], support[order]
-    labels = group_motions(motions, cluster_translation, cluster_rotation)
-    _, lead = np.unique(labels, return_index=True)
-    lead.sort()
+    motions, _ = _leading(middle, motions, cluster_translation, cluster_rotation)
+    # T and its inverse are one fact: turn all the same way.
+    motions = np.where(_backward(motions)[:, None, None], inverse(motions), motions)
+    motions = _refined(screen, motions, 2, lambda f: report(0.7 + 0.15 * f))
+    motions, _ = _leading(screen, motions, cluster_translation, cluster_rotation)
+    motions = _refined(screen, motions, 2, lambda f: report(0.85 + 0.1 * f))
+    motions, support = _leading(screen, motions, cluster_translation, cluster_rotation)
     report(1.0)
-    return Clusters(motions[lead], support[lead], chance_support(screen, motions[lead][:40]))
+    return Clusters(motions, support, chance_support(screen, motions[:40]))
+
+
+def _leading(screen, motions, translation, rotation):
+    """The best supported motion of each cluster, best first, and what supports it."""
+    support = screen.score(motions)
+    order = np.argsort(-support, kind="stable")
+    order = order[support[order] > 0]
+    _, lead = np.unique(group_motions(motions[order], translation, rotation), return_index=True)
+    order = order[np.sort(lead)]
+    return motions[order], support[order]
 
 
 def group_motions(motions, translation, rotation):
