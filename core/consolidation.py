@@ -23,7 +23,7 @@ SPACING, LINK, SHORTEST = 0.7, 2.6, 5.0
 """Distance of the nodes, longest edge between them, shortest curve that is kept; edge lengths."""
 
 
-def condense(points, tangents, weight, *, radius, rounds=3, cosine=0.75):
+def condense(points, tangents, weight, *, radius, rounds=3, cosine=0.75, tick=None):
     """Points moved onto the middle line of those around them that run the same way.
 
     Returns (n, 3) points and (n, 3) tangents. Each round takes the weighted mean across the tangent within
@@ -31,6 +31,8 @@ def condense(points, tangents, weight, *, radius, rounds=3, cosine=0.75):
     """
     points, tangents = points.copy(), tangents.copy()
     for _ in range(rounds):
+        if tick:
+            tick()
         i, j, w = _pairs(points, tangents, weight, radius, cosine)
         total = np.bincount(i, w, minlength=len(points))
         offset = points[j] - points[i]
@@ -56,7 +58,7 @@ def _pairs(points, tangents, weight, radius, cosine):
     return i, j, weight[j] * np.exp(-0.5 * square / (radius / 2) ** 2)
 
 
-def trace_curves(points, tangents, *, shortest=3.0):
+def trace_curves(points, tangents, *, shortest=3.0, tick=None):
     """Longest shortest paths through points that lie along curves.
 
     Returns a list of (points (k, 3) float64, closed bool), longest first.
@@ -71,6 +73,8 @@ def trace_curves(points, tangents, *, shortest=3.0):
     alive = ~_junctions(points, graph, tree)
     curves = []
     while alive.any():
+        if tick:
+            tick()
         nodes = np.flatnonzero(alive)
         part = graph[nodes][:, nodes]
         number, label = connected_components(part, directed=False)
@@ -178,7 +182,7 @@ def _longest_shortest_path(graph):
     return np.array(path)
 
 
-def fit_curves(paths, points, tangents, weight, run, *, trails=None, radius=1.5, smoothing=1.0):
+def fit_curves(paths, points, tangents, weight, run, *, trails=None, radius=1.5, smoothing=1.0, tick=None):
     """Smooth curves along paths through the points, one edge length between their samples.
 
     run : (n,) int64, the same for points that follow each other on one input curve, which are in its order
@@ -190,9 +194,12 @@ def fit_curves(paths, points, tangents, weight, run, *, trails=None, radius=1.5,
     """
     pieces = [piece for path in paths for piece in split_at_corners(_even(path))]
     trails = trails or (points, tangents, run)
+    tick = tick or (lambda: None)
+    tick()
     joined = _join_across(split_where_none_pass(pieces, *trails), trails)
     joined = [(p, ring) for p, ring in joined if np.linalg.norm(np.diff(p, axis=0), axis=1).sum() >= SHORTEST]
     closed = [ring for _, ring in joined]
+    tick()
     lines = [smooth_polyline(resample_polyline(path, 1.0, ring), smoothing, ring) for path, ring in joined]
     return settle(lines, closed, points, tangents, weight, run, radius=radius, smoothing=smoothing), closed
 

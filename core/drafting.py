@@ -35,37 +35,40 @@ def consolidate(
         and its margins, so that none ends where cells meet, and one is kept of those that the orbit takes onto
         each other.
     """
+    report = progress or (lambda fraction: None)
     weight = network.weights[overlay.sample] * overlay.inner
-    count, mean = agreement(overlay, radius=1.25 * epsilon, progress=progress)
+    count, mean = agreement(overlay, radius=1.25 * epsilon, progress=lambda f: report(0.3 * f))
     shifts = chance_shifts(overlay)
-    wrong, _ = agreement(overlay, radius=1.25 * epsilon, shifts=shifts)
+    wrong, _ = agreement(overlay, radius=1.25 * epsilon, shifts=shifts, progress=lambda f: report(0.3 + 0.3 * f))
     enough = agreed(count, least_agreement(count, wrong, weight), overlay.run, few=len(overlay.poses) <= FEW)
     cells = np.ones(len(overlay.poses), bool)
     curves, closed = [], []
     if wide is None:
         keep = enough & overlay.inner
         if keep.any():
-            curves, closed, _ = _clean(overlay, mean, keep, network.weights, epsilon)
+            curves, closed, _ = _clean(overlay, mean, keep, network.weights, epsilon, report)
     else:
         keep, mean = _carried(overlay, wide, enough, mean)
         if (keep & wide.inner).any():
-            curves, closed, points = _clean(wide, mean, keep, network.weights, epsilon)
+            curves, closed, points = _clean(wide, mean, keep, network.weights, epsilon, report)
             curves, closed = one_of_each(curves, closed, orbit, points, wide.inner[keep])
     if not curves:
         nothing = np.zeros((len(overlay.poses), 0))
         return Draft([], [], overlay.poses, overlay.keys, nothing, transformation, cells)
+    report(0.9)
     evidence = seen_share(network, curves, overlay.poses, radius=1.25 * epsilon)
     return Draft(curves, closed, overlay.poses, overlay.keys, evidence, transformation, cells)
 
 
-def _clean(overlay, mean, keep, weights, epsilon):
+def _clean(overlay, mean, keep, weights, epsilon, report):
     """Clean curves through the samples of an overlay that are kept, and where those were moved."""
     weight = weights[overlay.sample[keep]]
-    points, tangents = condense(mean[keep], overlay.tangents[keep], weight, radius=1.0 * epsilon)
+    tick = lambda: report(0.7)  # noqa: E731
+    points, tangents = condense(mean[keep], overlay.tangents[keep], weight, radius=1.0 * epsilon, tick=tick)
+    paths = trace_curves(points, tangents, tick=tick)
     curves, closed = fit_curves(
-        trace_curves(points, tangents), mean[keep], tangents, weight, overlay.run[keep],
-        trails=(mean, overlay.tangents, overlay.run),
-    )  # fmt: skip
+        paths, mean[keep], tangents, weight, overlay.run[keep], trails=(mean, overlay.tangents, overlay.run), tick=tick
+    )
     return curves, closed, points
 
 

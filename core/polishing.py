@@ -25,7 +25,7 @@ from which on a sample counts less (Geman and McClure), and the relative singula
 too little of a combination of parameters to change it."""
 
 
-def fit_orbit(network: CurveNetwork, orbit: Orbit, draft: Draft, samples, *, radius) -> tuple[Orbit, Draft]:
+def fit_orbit(network: CurveNetwork, orbit: Orbit, draft: Draft, samples, *, radius, tick=None) -> tuple[Orbit, Draft]:
     """Generators of an orbit fitted to all occurrences of a draft's curves together.
 
     Parameters
@@ -51,6 +51,8 @@ def fit_orbit(network: CurveNetwork, orbit: Orbit, draft: Draft, samples, *, rad
     twists, base = orbit.twists.copy(), np.eye(4)
     reach = radius
     for _ in range(ROUNDS):
+        if tick:
+            tick()
         poses = exponential(draft.keys @ twists) @ base
         r, t = poses[cell, :3, :3], poses[cell, :3, 3]
         at, way = np.einsum("nij,nj->ni", r, points) + t, np.einsum("nij,nj->ni", r, tangents)

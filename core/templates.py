@@ -147,10 +147,12 @@ class _Maker:
             return orbit, nothing
         weight = self.model.hits[k][use].astype(float)
         overlay = fold_orbit(self.network, orbit, use, weight)
+        self.screen.tick()
         wide = fold_orbit(self.network, orbit, use, weight, share=MARGIN[len(orbit.twists)])
         draft = consolidate(self.network, overlay, k, epsilon=self.epsilon, orbit=orbit, wide=wide, progress=step)
         if not known:
-            orbit, draft = fit_orbit(self.network, orbit, draft, use, radius=self.radius)
+            orbit, draft = fit_orbit(self.network, orbit, draft, use, radius=self.radius, tick=self.screen.tick)
+        self.screen.tick()
         draft = fit_to_samples(self.network, draft, use, radius=self.radius)
         self.orbits.setdefault(k, orbit)
         return orbit, draft
