@@ -108,7 +108,8 @@ def _two_extents(seen, *, apart=8, near=6, coherent=0.6):
         side = np.abs(ends - middle[1]).sum(axis=1) < np.abs(ends - middle[0]).sum(axis=1)
     if not 2 <= side.sum() <= len(use) - 2 or (middle[1] - middle[0]).min() < apart:
         return None
-    if min((np.abs(ends[s] - m) <= near).mean(axis=0).min() for s, m in ((~side, middle[0]), (side, middle[1]))) < coherent:
+    fits = [(np.abs(ends[s] - m) <= near).mean(axis=0).min() for s, m in ((~side, middle[0]), (side, middle[1]))]
+    if min(fits) < coherent:
         return None
     cells = np.zeros((2, len(seen)), bool)
     cells[side.astype(int), use] = True

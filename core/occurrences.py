@@ -22,8 +22,9 @@ APART, MOST, REFINED = 8.0, 4000, 200
 """Edge lengths between two occurrences, candidates that are looked at, and candidates that are refined."""
 
 SEEN, DOUBTFUL, OVER_CHANCE, STIFF = 0.45, 0.8, 1.3, 5.0
-"""Share of what the known occurrences show that another one must show, and below which one is tried again, by what factor it must exceed what places
-beside the known ones show, and what must hold its pose in the direction that is held least (edge lengths)."""
+"""Share of what the known occurrences show that another one must show, and below which one is tried again; by what
+factor it must exceed what places beside the known ones show; and what must hold its pose in the direction that is
+held least (edge lengths)."""
 
 
 @dataclass(frozen=True)

@@ -13,9 +13,10 @@ from .rigid import embed, exponential, inverse, motion, rotation_vector, screw_v
 from .support import Screen
 
 CANDIDATES, SEEDS, ROOTS, SHARE, SAME, DISTINCT = 100, 6, 12, 0.75, 5.0, 0.25
-"""Motions that are looked at, those that are tried for each orbit, roots that are tried, share of the support that a root must keep, RMS edge lengths within which motions are one,
-and the share of its support by which a motion must stand out from those beside it (a quarter: on a scan straight
-jambs and mouldings, which support slides as well, are most of the length)."""
+"""Motions that are looked at, those of them that are tried for each orbit, roots that are tried, share of the support
+that a root must keep, RMS edge lengths within which motions are one, and the share of its support by which a motion
+must stand out from those beside it (a quarter: on a scan straight jambs and mouldings, which support slides as well,
+are most of the length)."""
 
 
 @dataclass(frozen=True)

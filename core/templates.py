@@ -94,7 +94,7 @@ class _Maker:
             self._orbit(orbit, k, step)
 
     def _orbit(self, orbit: Orbit, k, step, known=False):
-        """Templates and courses of the cells of an orbit, whose generators may be well known, and of its sub-lattices."""
+        """Templates and courses of the cells of an orbit and of its sub-lattices; its generators may be known well."""
         orbit, draft = self._cells(orbit, k, step, known)
         if not draft.curves:
             return
