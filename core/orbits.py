@@ -12,11 +12,12 @@ from .network import CurveNetwork
 from .rigid import embed, exponential, inverse, motion, rotation_vector, screw_velocity
 from .support import Screen
 
-CANDIDATES, SEEDS, ROOTS, SHARE, SAME, DISTINCT = 100, 6, 12, 0.75, 5.0, 0.25
+CANDIDATES, SEEDS, ROOTS, SHARE, SAME, DISTINCT, ROWS = 100, 6, 12, 0.75, 5.0, 0.25, 0.3
 """Motions that are looked at, those of them that are tried for each orbit, roots that are tried, share of the support
 that a root must keep, RMS edge lengths within which motions are one, and the share of its support by which a motion
 must stand out from those beside it (a quarter: on a scan straight jambs and mouldings, which support slides as well,
-are most of the length)."""
+are most of the length), and the share of the better supported generator's support that the other generator of a grid
+must have."""
 
 
 @dataclass(frozen=True)
@@ -332,6 +333,10 @@ class _Finder:
         support = self.screen.score(self.shift(self.half(reach) @ g))
         seen = support > self.chance
         if seen.sum() < 4 or seen[inside].mean() < 0.6 or np.linalg.norm(g, axis=1).min() < 2 * self.still:
+            return None
+        # Floors that are alike in part only are no rows of one lattice: folded onto each other they would mix.
+        each = self.screen.score(self.shift(g))
+        if each.min() < ROWS * each.max():
             return None
         total = 2 * float(support[seen].sum())
         twists = np.concatenate([np.zeros((2, 3)), g], axis=1)

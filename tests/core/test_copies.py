@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from core.copies import congruent_parts, unite
+from core.copies import _grouped, congruent_parts, unite
 from core.drafts import seen_share
 from core.parameters import Parameters
 from tests import naive
@@ -58,10 +58,10 @@ def homes(net, draft, thing, places):
 ALONG, ACROSS = naive.rigid(shift=[75, 5, 0]), naive.rigid(shift=[80, -8, 3])
 
 
-def two_rows(rng, *, curves=4, lost=None):
+def two_rows(rng, *, curves=4, lost=None, counts=(4, 3)):
     """Two rows of one thing with different steps, the second turned; a draft of each row, and of which places."""
     thing = shapes.ornament(rng, curves, size=24)
-    first, second = row(ALONG, 4), row(ACROSS, 3, TURNED)
+    first, second = row(ALONG, counts[0]), row(ACROSS, counts[1], TURNED)
     net = scene(rng, [(thing, first), (thing, second)])
     other = thing if lost is None else [c[lost:] for c in thing]
     back = [m @ np.linalg.inv(TURNED) for m in second]
@@ -70,18 +70,31 @@ def two_rows(rng, *, curves=4, lost=None):
     return net, thing, first + second, drafts
 
 
-def test_drafts_of_rigid_copies_become_one(rng):
-    net, thing, places, drafts = two_rows(rng)
+@pytest.mark.parametrize("counts", [(4, 3), (2, 4)])
+def test_drafts_of_rigid_copies_become_one(rng, counts):
+    net, thing, places, drafts = two_rows(rng, counts=counts)
     kept = [d.poses.copy() for d in drafts]
     (one,) = unite(net, drafts, np.ones(len(net.points), bool), PARAMETERS)
-    assert len(one.curves) == 4 and len(one.poses) == 7 and one.evidence.shape == (7, 4)
+    assert len(one.curves) == 4 and len(one.poses) == sum(counts) and one.evidence.shape == (sum(counts), 4)
     home, gaps = homes(net, one, thing, places)
-    assert sorted(home) == list(range(7)) and gaps.max() < 0.2
+    assert sorted(home) == list(range(sum(counts))) and gaps.max() < 0.2
     assert (one.evidence @ one.lengths / one.lengths.sum() > 0.9).all()
     # the cells of the longer row are still cells of its orbit, with their keys
-    assert one.transformation == 0 and one.orbital.sum() == 4
-    assert [one.keys[home[k], 0] for k in range(4)] == [0, 1, 2, 3] and one.orbital[home[:4]].all()
+    longer = int(np.argmax(counts))
+    mine = home[: counts[0]] if longer == 0 else home[counts[0] :]
+    assert one.transformation == longer and one.orbital.sum() == counts[longer]
+    assert one.keys[mine, 0].tolist() == list(range(counts[longer])) and one.orbital[mine].all()
     assert all(map(np.array_equal, kept, (d.poses for d in drafts)))
+
+
+def test_a_place_that_both_drafts_know_is_one(rng):
+    net, thing, places, drafts = two_rows(rng)
+    there = drafts[0].poses[2] @ shapes.in_frame(net, np.linalg.inv(TURNED))
+    more = drafts[1].part(cells=[0, 1, 2, 2])
+    poses = np.concatenate([more.poses[:3], there[None]])
+    more = replace(more, poses=poses, orbital=np.array([True, True, True, False]))
+    (one,) = unite(net, [drafts[0], more], np.ones(len(net.points), bool), PARAMETERS)
+    assert len(one.poses) == 7 and sorted(homes(net, one, thing, places)[0]) == list(range(7))
 
 
 @pytest.mark.parametrize("first", [0, 1])
@@ -199,6 +212,23 @@ def test_templates_that_have_a_part_in_common_are_not_one(rng):
     curves = thing + [c + [0, 0, 30] for c in more]
     curves += [naive.moved(TURNED, c) for c in [*thing, *(c + [0, 0, 30] for c in other)]]
     assert congruent(curves, [0] * 5 + [1] * 5) == []
+
+
+def test_places_are_chained_by_the_motions_between_them(rng):
+    """Five places of one thing and two of another, known by the motions between some pairs of them."""
+    places = [shapes.random_motion(rng) for _ in range(5)]
+    pairs = [(1, 3), (3, 4), (0, 1), (2, 4)]
+    found = [(places[b] @ np.linalg.inv(places[a]), [a], [b]) for a, b in pairs]
+    other = shapes.random_motion(rng)
+    # what would join two places that are known already, or two groups, tells nothing new
+    found += [(other, [7], [8]), (shapes.random_motion(rng), [0], [2]), (shapes.random_motion(rng), [7], [3])]
+    one, two = _grouped(found)
+    assert sorted(members[0] for _, members in one) == [0, 1, 2, 3, 4]
+    start = places[one[0][1][0]]
+    for motion, members in one:
+        assert np.allclose(motion @ start, places[members[0]])
+    assert [members for _, members in two] == [[7], [8]] and np.allclose(two[1][0], other)
+    assert _grouped([]) == []
 
 
 def test_curves_that_are_too_few_or_too_short(rng):

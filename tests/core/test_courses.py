@@ -177,6 +177,31 @@ def test_whole_rings_and_things_are_no_courses(rng):
     assert courses == [] and len(taken) == 0
 
 
+def test_arcades_are_no_courses(rng):
+    """Each arch begins where the one before ends, and goes the other way there."""
+    a = np.linspace(0, np.pi, 48)
+    span = np.linalg.norm(STEP)
+    arch = (span / 2 * (1 - np.cos(a)))[:, None] * WAY + np.c_[0 * a, 0 * a, span / 2 * np.sin(a)]
+    net = shapes.network([arch + k * STEP for k in range(6)])
+    orbit = shapes.orbit(net, "translation", [naive.rigid(shift=STEP)], [5])
+    draft = draft_of(net, orbit, [shapes.to_frame(net, arch)], np.arange(6)[:, None])
+    courses, taken = courses_of(net, orbit, draft)
+    assert courses == [] and len(taken) == 0
+
+
+def test_a_small_ring_about_the_axis_is_whole_already(rng):
+    """Its beginning comes to lie near its end after one step, as that of a course would."""
+    ring = shapes.circle(6, [0, 0, 5])
+    step = naive.about([0, 0, 1], np.pi / 6, [0, 0, 0])
+    things = [naive.moved(np.linalg.matrix_power(step, k), c + [50, 0, 0]) for k in range(12)
+              for c in shapes.ornament(rng, 1)]  # fmt: skip
+    net = shapes.network([ring, *things], closed=[True] + [False] * len(things))
+    orbit = shapes.orbit(net, "rotation", [step], [11], closed=True)
+    for closed, count in ((True, 0), (False, 1)):
+        draft = draft_of(net, orbit, [shapes.to_frame(net, ring)], np.arange(12)[:, None], closed=[closed])
+        assert len(courses_of(net, orbit, draft)[1]) == count
+
+
 def test_what_is_not_free_makes_no_course(rng):
     net, orbit, draft = facade(rng, [(-11, 171)])
     cornice = net.source[net.curve_of] >= 12

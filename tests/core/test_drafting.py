@@ -163,6 +163,15 @@ def test_rings_stay_rings_and_what_lies_in_the_margin_only_is_left_out():
     assert one_of_each([], [], orbit, points, points[:, 0] < 30) == ([], [])
 
 
+@pytest.mark.parametrize("shared, kept", [(12, 2), (13, 1)])
+def test_how_much_of_a_curve_others_may_show(shared, kept):
+    """Twelve of twenty samples are just the share that may be covered."""
+    one = shapes.line(40)
+    two = shapes.line(20, [42 - shared, 0.0, 0])  # two edges beyond its end the first one is within the radius
+    out, _ = one_of_each([one, two], [False] * 2, row_orbit((0, 300, 0)), one, np.ones(40, bool))
+    assert len(out) == kept
+
+
 def test_a_curve_through_all_cells_is_cut_to_one_period():
     orbit = row_orbit()
     cornice = shapes.line(75, [-10, 3, 1])

@@ -83,6 +83,16 @@ def test_what_runs_another_way_is_not_seen():
     assert seen_share(net, [same], np.eye(4)[None], radius=RADIUS)[0, 0] == 1, "tangents have no sense"
 
 
+@pytest.mark.parametrize("angle, share, explained", [(41, 1, True), (42, 0, True), (45, 0, True), (46, 0, False)])
+def test_how_far_directions_may_differ(angle, share, explained):
+    net = shapes.network([shapes.line(31, [-15, 0, 0]), shapes.line(5, [0, 40, 0])])
+    a = np.radians(angle)
+    way = np.array([np.cos(a), np.sin(a), 0])
+    curve = shapes.to_frame(net, shapes.line(3, -way, way))
+    assert seen_share(net, [curve], np.eye(4)[None], radius=RADIUS)[0, 0] == share
+    assert explained_samples(net, shapes.draft([curve], [np.eye(4)]), radius=RADIUS).any() == explained
+
+
 @pytest.mark.parametrize("more, has", [(-0.05, True), (0.05, False)])
 def test_by_how_much_a_rival_must_be_nearer(more, has):
     net = shapes.network([shapes.line(30), shapes.line(30, [0, 40, 0])])

@@ -121,6 +121,21 @@ def test_a_sample_is_evidence_once(rng):
     assert len(drafts) == 2 and again == [] and np.array_equal(still, left)
 
 
+def test_what_a_dense_wall_shows_anywhere_is_no_curve(rng):
+    """A line among lines three edges apart is seen at its places, half of it, and as well beside them."""
+    thing = shapes.ornament(rng, 1, size=20)[0]
+    places = [naive.rigid(shift=k * STEP) for k in range(4)]
+    hatch = [shapes.line(280, [-40, y, 60], STEP) for y in range(-40, 60, 3)]
+    net = shapes.network([naive.moved(m, thing) for m in places] + hatch)
+    poses = [shapes.in_frame(net, m) for m in places]
+    tilted = shapes.line(40, [0, 0, 60], [60, 12, 3])
+    draft = shapes.draft([shapes.to_frame(net, c) for c in (naive.resample(thing, 1.0), tilted)], poses)
+    shown = naive.seen_share(net.points, net.tangents, draft.curves, poses, radius=RADIUS)
+    assert shown[:, 1].min() > 0.5, "by what is seen at its places alone it would stay"
+    (one,), _ = group(net, draft, np.ones(len(net.points), bool), radius=RADIUS)
+    assert len(one.curves) == 1 and one.curves[0] is draft.curves[0]
+
+
 def wings(rng, first, second, *, blurred=0, count=4):
     """Cells of two wings whose curves come to lie on one line: each shows another stretch; the draft has the whole."""
     whole = shapes.circle(40)[:90]
