@@ -55,6 +55,10 @@ def select_model(network: CurveNetwork, orbits, screen: Screen, *, l0, t, bayes_
     return Model([orbits[kept[i]] for i in order], loss[order], place[best], hits[order], support[order])
 
 
+TRIES = 8
+"""Motions beside the given ones that chance is learnt from, at least."""
+
+
 def curve_affinities(network: CurveNetwork, orbit: Orbit, screen: Screen, *, t):
     """Average Feature BLAST affinity of every curve under a transformation, summed over its recurrences.
 
@@ -67,7 +71,10 @@ def curve_affinities(network: CurveNetwork, orbit: Orbit, screen: Screen, *, t):
     if orbit.kind == "single":
         powers = np.concatenate([powers, inverse(powers)])
     total, hits = _affinity(network, powers, screen, t)
-    chance, _ = _affinity(network, perturbed(powers, screen.points.std(axis=0)), screen, t)
+    # A single motion has one other beside it by luck; the mean over several says what chance gives.
+    many = max(1, TRIES // len(powers))
+    beside = perturbed(np.repeat(powers, many, axis=0), screen.points.std(axis=0))
+    chance = _affinity(network, beside, screen, t)[0] / many
     counts = np.diff(network.offsets)
     own, other = (np.add.reduceat(x, network.offsets[:-1]) / counts for x in (total, chance))
     return np.maximum(own - other, 0), hits

@@ -16,7 +16,7 @@ from .drafting import consolidate, consolidate_places
 from .drafts import Draft, along, directions, explained_samples, seen_share
 from .grouping import group
 from .network import CurveNetwork
-from .occurrences import STIFF, Pattern, Search, shown
+from .occurrences import Pattern, Search, shown
 from .orbits import Orbit
 from .overlay import fold_orbit
 from .polishing import fit_orbit, fit_to_samples, settled
@@ -25,6 +25,10 @@ from .support import Screen, long_stretches
 
 MARGIN = {1: 0.5, 2: 0.35}
 """Share of a cell of an orbit with so many generators in which curves may reach over its border and stay whole."""
+
+HELD = 2.0
+"""What must hold the poses of a template in the direction that is held least, edge lengths (see `occurrences.shown`);
+half of what an occurrence must show that is found later: there are many places where one may be found."""
 
 FEW, ROUNDS, GROWS = 4, 6, 1.03
 """Occurrences below which those found later may change the curves, rounds of looking for more of them, and by what
@@ -187,7 +191,7 @@ class _Maker:
         """Whether what is seen of a draft holds its poses: a straight line or a ring alone is at home anywhere."""
         pattern = _pattern(self.network, draft)
         probe = Screen(self.network, pattern, radius=self.radius, still=None, threads=self.screen.threads)
-        return np.median(shown(probe, draft.poses, np.ones_like(self.free))[1]) >= STIFF
+        return np.median(shown(probe, draft.poses, np.ones_like(self.free))[1]) >= HELD
 
     def _own(self, k):
         """(n,) bool, samples of the curves that the model gives to transformation k, or to none."""

@@ -121,15 +121,16 @@ def test_a_sample_is_evidence_once(rng):
     assert len(drafts) == 2 and again == [] and np.array_equal(still, left)
 
 
-def test_what_a_dense_wall_shows_anywhere_is_no_curve(rng):
-    """A line among lines three edges apart is seen at its places, half of it, and as well beside them."""
-    thing = shapes.ornament(rng, 1, size=20)[0]
-    places = [naive.rigid(shift=k * STEP) for k in range(4)]
-    hatch = [shapes.line(280, [-40, y, 60], STEP) for y in range(-40, 60, 3)]
-    net = shapes.network([naive.moved(m, thing) for m in places] + hatch)
+def test_what_is_seen_beside_its_places_as_well_is_no_curve(rng):
+    """A line that crosses a dense bundle of others at a flat angle: two thirds of it are seen, wherever it is."""
+    thing = shapes.ornament(rng, 1, size=30)[0]
+    step = np.array([45.0, 5, 0])
+    places = [naive.rigid(shift=k * step) for k in range(3)]
+    bundle = [shapes.line(230, [-50, y, z], step) for y in range(-45, 60, 6) for z in range(30, 90, 6)]
+    net = shapes.network([naive.moved(m, thing) for m in places] + bundle)
     poses = [shapes.in_frame(net, m) for m in places]
-    tilted = shapes.line(40, [0, 0, 60], [60, 12, 3])
-    draft = shapes.draft([shapes.to_frame(net, c) for c in (naive.resample(thing, 1.0), tilted)], poses)
+    line = shapes.line(40, [-8, 0, 60], [60, 30, 12])
+    draft = shapes.draft([shapes.to_frame(net, c) for c in (naive.resample(thing, 1.0), line)], poses)
     shown = naive.seen_share(net.points, net.tangents, draft.curves, poses, radius=RADIUS)
     assert shown[:, 1].min() > 0.5, "by what is seen at its places alone it would stay"
     (one,), _ = group(net, draft, np.ones(len(net.points), bool), radius=RADIUS)
