@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import os
 import time
+from dataclasses import replace
 
 import numpy as np
 
@@ -70,7 +71,10 @@ def complete(curves: Curves, *, edge_length=None, parameters: Parameters | None 
             network, orbits, screen, l0=p.l0, t=p.t, bayes_ratio=p.bayes_ratio, progress=clock.progress
         )
     with clock.stage("completion", seconds):
-        drafts, courses = extract_templates(network, model, votes, clusters, screen, p, progress=clock.progress)
+        drafts, courses, orbits = extract_templates(
+            network, model, votes, clusters, screen, p, progress=clock.progress
+        )  # fmt: skip
+        model = replace(model, orbits=orbits)
         completion = build_completion(network, model, drafts, courses, len(curves), p, seconds)
     counts = np.diff(network.offsets)
     completion.work.update(

@@ -97,10 +97,7 @@ def _orbit_of(orbit, chosen, support):
         order = int(orbit.count[0]) + 1
         step = gcd(int(chosen[0, 0]), order)
         return Orbit("rotation", step * orbit.twists, np.array([order // step - 1]), True, support)
-    if len(chosen) == 2:
-        reach = np.maximum(1, np.ceil(orbit.count.sum() / np.abs(chosen).max(axis=1))).astype(np.int64)
-        return Orbit("grid", twists, reach, False, support)
-    kind = "translation" if orbit.kind == "grid" else orbit.kind
-    moving = chosen[0] != 0
-    reach = int(np.min(orbit.count[moving] // np.abs(chosen[0][moving])))
-    return Orbit(kind, twists, np.array([max(1, reach)]), False, support)
+    # As far as the orbit reaches in every generator that a power moves along.
+    reach = [int((orbit.count[row != 0] // np.abs(row[row != 0])).min()) for row in chosen]
+    kind = "grid" if len(chosen) == 2 else "translation" if orbit.kind == "grid" else orbit.kind
+    return Orbit(kind, twists, np.maximum(reach, 1), False, support)

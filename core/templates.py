@@ -30,9 +30,9 @@ HELD = 2.0
 """What must hold the poses of a template in the direction that is held least, edge lengths (see `occurrences.shown`);
 half of what an occurrence must show that is found later: there are many places where one may be found."""
 
-FEW, ROUNDS, GROWS = 4, 6, 1.03
-"""Occurrences below which those found later may change the curves, rounds of looking for more of them, and by what
-factor the curves must have grown for another round."""
+FEW, ROUNDS, GROWS, DEEPEST = 4, 6, 1.03, 3
+"""Occurrences below which those found later may change the curves, rounds of looking for more of them, by what factor
+the curves must have grown for another round, and sub-lattices within each other."""
 
 
 def extract_templates(network: CurveNetwork, model, votes, clusters, screen: Screen, parameters, *, progress=None):
@@ -44,7 +44,7 @@ def extract_templates(network: CurveNetwork, model, votes, clusters, screen: Scr
 
     Returns
     -------
-    drafts : list of Draft; courses : list of Course
+    drafts : list of Draft; courses : list of Course; orbits : those of the model, fitted to their cells
     """
     maker = _Maker(network, model, votes, clusters, screen, parameters, progress)
     # What stands in an orbit is known best, and must not be taken for a poor occurrence of something else.
@@ -55,7 +55,8 @@ def extract_templates(network: CurveNetwork, model, votes, clusters, screen: Scr
         maker.take(int(k))
     maker.search_all()
     maker.report(0.8)
-    return unite(network, maker.drafts, maker.beside_courses, parameters, threads=screen.threads), maker.courses
+    drafts = unite(network, maker.drafts, maker.beside_courses, parameters, threads=screen.threads)
+    return drafts, maker.courses, [maker.orbits.get(k, orbit) for k, orbit in enumerate(model.orbits)]
 
 
 class _Maker:
@@ -97,15 +98,15 @@ class _Maker:
         else:
             self._orbit(orbit, k, step)
 
-    def _orbit(self, orbit: Orbit, k, step, known=False):
-        """Templates and courses of the cells of an orbit and of its sub-lattices; its generators may be known well."""
-        orbit, draft = self._cells(orbit, k, step, known)
+    def _orbit(self, orbit: Orbit, k, step, depth=0):
+        """Templates and courses of the cells of an orbit and of its sub-lattices; `depth` is that of a sub-lattice."""
+        orbit, draft = self._cells(orbit, k, step, known=depth > 0)
         if not draft.curves:
             return
         draft, found = self._without_courses(orbit, draft)
         if found:
             # A course that lay on other curves when folded has bent them: without it they are made anew.
-            orbit, draft = self._cells(orbit, k, step, known)
+            orbit, draft = self._cells(orbit, k, step, known=depth > 0)
         found, left = group(self.network, draft, self.free, radius=self.radius)
         found = [one for one in found if len(one.poses) >= FEW or self._is_thing(one)]
         most = max((len(one.poses) for one in found), default=0)
@@ -113,9 +114,11 @@ class _Maker:
             if 2 * len(one.poses) > most:
                 self._add(one, left)
         # What only few cells show may be seen better under a power of the generators.
-        finer = sublattice(orbit, self.screen, self.free & self._own(k), shortest=self.l0)
+        finer = None
+        if depth < DEEPEST:
+            finer = sublattice(orbit, self.screen, self.free & self._own(k), shortest=self.l0)
         if finer is not None:
-            self._orbit(finer, k, step, known=True)
+            self._orbit(finer, k, step, depth + 1)
         for few in found:
             if 2 * len(few.poses) <= most:
                 for one in group(self.network, few, self.free, radius=self.radius)[0]:

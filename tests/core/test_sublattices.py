@@ -149,16 +149,6 @@ def test_clutter_has_no_orbit(seed, kind):
     assert sublattice(orbit, Screen(net, radius=2.0), free, shortest=SHORTEST) is None
 
 
-def test_what_recurs_by_chance_has_no_orbit(rng):
-    """Upright lines as dense as a fence: any step takes many of them onto others."""
-    fence = [shapes.line(40, [x, 10 * rng.random(), 0], [0.2 * rng.normal(), 1, 0]) for x in rng.uniform(0, 240, 60)]
-    net = shapes.network(fence)
-    orbit, screen = shapes.orbit(net, "translation", [naive.rigid(shift=[34, 0, 0])], [6]), Screen(net, radius=2.0)
-    every = np.ones(len(net.points), bool)
-    assert recurring_length(screen, orbit.power([[1], [2]]), every).min() > 2 * SHORTEST
-    assert sublattice(orbit, screen, every, shortest=SHORTEST) is None
-
-
 def test_too_little_and_nothing_free(rng):
     step = naive.rigid(shift=[34, 5, 0])
     net, free = scene(rng, step, range(7), range(0, 7, 2))
