@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from .blas import single_threaded
 from .blast import feature_blast
 from .clustering import cluster_votes
 from .completion import build_completion
@@ -38,7 +39,11 @@ def complete(curves: Curves, *, edge_length=None, parameters: Parameters | None 
     ------
     InputError : names the value and the remedy
     """
-    p = (parameters or Parameters()).validate()
+    with single_threaded():
+        return _complete(curves, edge_length, (parameters or Parameters()).validate(), progress)
+
+
+def _complete(curves, edge_length, p, progress):
     threads = p.threads or os.cpu_count() or 1
     if edge_length is None:
         edge_length = estimate_edge_length(curves)

@@ -63,7 +63,7 @@ class NeighbourField:
         key += y * np.int32(self.strides[1])
         key += z
         key *= inside
-        near = self.table[key]
+        near = np.take(self.table, key, mode="clip")
         near[~inside] = -1
         return near
 
@@ -114,6 +114,16 @@ def slips(motions, row, points, tangents, cosine=0.95):
     return along**2 > cosine**2 * (v**2).sum(-1)
 
 
+def _sums_of_rows(terms, row, count):
+    """(count, c) float64, sums of the terms (k, c) of each row; `row` (k,) is sorted."""
+    if not len(row):
+        return np.zeros((count, terms.shape[1]))
+    ends = np.searchsorted(row, np.arange(count + 1))
+    sums = np.add.reduceat(terms, np.minimum(ends[:-1], len(row) - 1), axis=0)
+    sums[ends[1:] == ends[:-1]] = 0
+    return sums
+
+
 class Screen:
     """Support of many motions at once on every `stride`-th sample, by table look-up.
 
@@ -137,14 +147,17 @@ class Screen:
         source = network if source is None else source
         pick = np.arange(0, len(source.points), stride)
         self.points, self.tangents = source.points[pick], source.tangents[pick]
-        self.homogeneous = np.concatenate([self.points, np.ones((len(pick), 1))], axis=1).astype(np.float32)
-        self.lines = self.tangents.astype(np.float32)
+        # One row a coordinate: look-ups by `take` are fast on them, and let other threads run.
+        self.homogeneous = np.concatenate([self.points, np.ones((len(pick), 1))], axis=1).T.astype(np.float32)
         self.all_points, self.all_tangents = network.points, network.tangents
-        self.all_lines = network.tangents.astype(np.float32)
-        self.all_normals = None if network.normals is None else network.normals.astype(np.float32)
+        self.all_lines = np.ascontiguousarray(network.tangents.T, np.float32)
+        self.all_normals = None if network.normals is None else np.ascontiguousarray(network.normals.T, np.float32)
         self.all_kinds = network.kind
         self.kind = None if source.kind is None or network.kind is None else source.kind[pick]
-        self.normals = None if source.normals is None or self.all_normals is None else source.normals[pick]
+        self.normals = None
+        if source.normals is not None and network.normals is not None:
+            self.normals = np.ascontiguousarray(source.normals[pick].T, np.float32)
+        self.lines = np.ascontiguousarray(self.tangents.T, np.float32)
         self.curve = source.curve_of[pick]
         self.weight = source.weights[pick] * stride
         self.least = max(1, int(np.ceil(stretch / stride)))
@@ -162,26 +175,34 @@ class Screen:
         to_voxel = np.eye(4)
         to_voxel[:3] /= self.field.voxel
         to_voxel[:3, 3] = -self.field.low / self.field.voxel
-        rows = (to_voxel @ motions)[:, :3, :].reshape(-1, 4).astype(np.float32)
-        moved = (rows @ self.homogeneous.T).reshape(h, 3, n)
-        at = moved.astype(np.int32)
-        near = self.field.look_up(at[:, 0], at[:, 1], at[:, 2]).ravel()
+        rows = (to_voxel @ motions)[:, :3, :].astype(np.float32)
+        at = [(rows[:, c] @ self.homogeneous).astype(np.int32) for c in range(3)]
+        near = self.field.look_up(*at).ravel()
         flat = np.flatnonzero(near >= 0)
-        i, k, j = flat // n, flat % n, near[flat]
-        turned = np.einsum("kij,kj->ki", motions[:, :3, :3].astype(np.float32)[i], self.lines[k])
-        good = np.abs((turned * self.all_lines[j]).sum(-1)) > self.cosine
-        i, k, j = i[good], k[good], j[good]
+        j = np.take(near, flat)
+        turns = motions[:, :3, :3].astype(np.float32)
+        keep = np.abs(self._cosines(turns, self.lines, self.all_lines, flat, j)) > self.cosine
+        flat, j = np.compress(keep, flat), np.compress(keep, j)
         if self.normals is not None:
-            turned = np.einsum("kij,kj->ki", motions[:, :3, :3].astype(np.float32)[i], self.normals[k])
-            good = (turned * self.all_normals[j]).sum(-1) > FACING
-            i, k, j = i[good], k[good], j[good]
+            keep = self._cosines(turns, self.normals, self.all_normals, flat, j) > FACING
+            flat, j = np.compress(keep, flat), np.compress(keep, j)
+        i = flat // n
+        k = flat - i * n
         if self.kind is not None:
-            good = self.kind[k] == self.all_kinds[j]
-            i, k, j = i[good], k[good], j[good]
-        if self.still is None:
-            return i, k, j.astype(np.int64)
-        good = self._travel(motions, i, k) > self.still**2
-        return i[good], k[good], j[good].astype(np.int64)
+            keep = np.take(self.kind, k) == np.take(self.all_kinds, j)
+            i, k, j = np.compress(keep, i), np.compress(keep, k), np.compress(keep, j)
+        if self.still is not None:
+            keep = self._travel(motions, i, k) > self.still**2
+            i, k, j = np.compress(keep, i), np.compress(keep, k), np.compress(keep, j)
+        return i, k, j.astype(np.int64)
+
+    @staticmethod
+    def _cosines(turns, own, other, flat, j):
+        """(f,) float32, between turned directions (3, n) and others (3, m); `flat` counts turns times n, `j` m."""
+        total = np.zeros(len(flat), np.float32)
+        for c in range(3):
+            total += np.take((turns[:, c] @ own).ravel(), flat) * np.take(other[c], j)
+        return total
 
     def nearest(self, motions):
         """Nearest samples (h, n) int64 of the moved samples where they agree, and which agree (h, n) bool."""
@@ -194,7 +215,13 @@ class Screen:
     def _travel(self, motions, row, sample):
         """(k,) float32, squared length of the way of a sample under a motion."""
         move = (motions - np.eye(4))[:, :3, :].astype(np.float32)
-        return (np.einsum("kij,kj->ki", move[row], self.homogeneous[sample]) ** 2).sum(-1)
+        total = np.zeros(len(row), np.float32)
+        for c in range(3):
+            way = np.take(move[:, c, 3], row)
+            for d in range(3):
+                way += np.take(move[:, c, d], row) * np.take(self.homogeneous[d], sample)
+            total += way * way
+        return total
 
     def _specific(self, motions, row, sample):
         """Which hits do not slip along their motions."""
@@ -349,15 +376,14 @@ class Screen:
 
     def align(self, motions, i, k, j):
         """Best motions (h, 4, 4) for hits (row, sample, target); only the distance across the target curve counts."""
-        sums = np.zeros((len(motions), 17))
-        a = self.points[k]
-        moved = np.einsum("nij,nj->ni", motions[i, :3, :3], a) + motions[i, :3, 3]
-        target, line = self.all_points[j], self.all_tangents[j]
-        b = target + line * ((moved - target) * line).sum(-1)[:, None]
-        w = self.weight[k]
-        terms = [w, *(w * a.T), *(w * b.T), *(w * (b[:, :, None] * a[:, None, :]).reshape(-1, 9).T)]
-        for column, term in enumerate(terms):
-            sums[:, column] = np.bincount(i, term, minlength=len(motions))
+        a = np.take(self.points, k, axis=0)
+        moved = np.einsum("nij,nj->ni", np.take(motions[:, :3, :3], i, axis=0), a) + np.take(motions[:, :3, 3], i, axis=0)
+        target, line = np.take(self.all_points, j, axis=0), np.take(self.all_tangents, j, axis=0)
+        b = target + line * np.einsum("ni,ni->n", moved - target, line)[:, None]
+        w = np.take(self.weight, k)[:, None]
+        wb = w * b
+        cross = np.einsum("ni,nj->nij", wb, a).reshape(-1, 9)
+        sums = _sums_of_rows(np.concatenate([w, w * a, wb, cross], axis=1), i, len(motions))
         total = np.maximum(sums[:, 0], 1e-9)[:, None]
         mean_a, mean_b = sums[:, 1:4] / total, sums[:, 4:7] / total
         cross = sums[:, 7:16].reshape(-1, 3, 3) / total[:, :, None] - mean_b[:, :, None] * mean_a[:, None, :]
