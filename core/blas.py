@@ -18,7 +18,7 @@ NAMES = ("scipy_openblas_{}_num_threads64_", "openblas_{}_num_threads64_", "open
 
 @contextmanager
 def single_threaded():
-    """Within, matrix products of numpy's wheels run in the thread that asks for them; of other builds nothing changes."""
+    """Within, matrix products of numpy's wheels run in the thread that asks; other builds do as they did."""
     before = [(set_threads, get_threads()) for set_threads, get_threads in _libraries()]
     for set_threads, _ in before:
         set_threads(1)

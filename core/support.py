@@ -171,7 +171,7 @@ class Screen:
         a ridge a ridge: a thing that is nearly flat and mirror-symmetric fits itself turned front to back, and the
         lines of a moulding fit each other, but neither is there twice.
         """
-        h, n = len(motions), len(self.points)
+        n = len(self.points)
         to_voxel = np.eye(4)
         to_voxel[:3] /= self.field.voxel
         to_voxel[:3, 3] = -self.field.low / self.field.voxel
@@ -377,7 +377,8 @@ class Screen:
     def align(self, motions, i, k, j):
         """Best motions (h, 4, 4) for hits (row, sample, target); only the distance across the target curve counts."""
         a = np.take(self.points, k, axis=0)
-        moved = np.einsum("nij,nj->ni", np.take(motions[:, :3, :3], i, axis=0), a) + np.take(motions[:, :3, 3], i, axis=0)
+        moved = np.einsum("nij,nj->ni", np.take(motions[:, :3, :3], i, axis=0), a)
+        moved += np.take(motions[:, :3, 3], i, axis=0)
         target, line = np.take(self.all_points, j, axis=0), np.take(self.all_tangents, j, axis=0)
         b = target + line * np.einsum("ni,ni->n", moved - target, line)[:, None]
         w = np.take(self.weight, k)[:, None]
