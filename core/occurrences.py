@@ -21,10 +21,11 @@ from .support import Screen, in_long_stretches
 APART, MOST, REFINED = 8.0, 4000, 200
 """Edge lengths between two occurrences, candidates that are looked at, and candidates that are refined."""
 
-SEEN, DOUBTFUL, OVER_CHANCE, STIFF = 0.45, 0.8, 1.3, 5.0
-"""Share of what the known occurrences show that another one must show, and below which one is tried again; by what
-factor it must exceed what places beside the known ones show; and what must hold its pose in the direction that is
-held least (edge lengths)."""
+SEEN, SEEN_CLEAR, DOUBTFUL, OVER_CHANCE, STIFF = 0.45, 0.65, 0.8, 1.3, 5.0
+"""Share of what the known occurrences show that another one must show, and the share where they show nearly all (the
+more is seen, the more is asked for); share below which an occurrence is tried again; by what factor an occurrence must
+exceed what places beside the known ones show; and what must hold its pose in the direction that is held least (edge
+lengths)."""
 
 
 @dataclass(frozen=True)
@@ -51,13 +52,14 @@ class Search:
         self.pool = np.concatenate([clusters.motions[:150], inverse(clusters.motions[:150])])
         self.wide = Screen(network, radius=2 * screen.radius, still=None, threads=screen.threads).field
 
-    def find(self, pattern: Pattern, poses, free):
+    def find(self, pattern: Pattern, poses, free, *, raw=False):
         """More poses of a pattern, beside the known ones.
 
         Parameters
         ----------
         poses : (a, 4, 4), known poses, pattern to network
         free : (n,) bool, samples that may show it
+        raw : whether the pattern is just what the known places have in common, so that they show all of it
 
         Returns
         -------
@@ -78,12 +80,13 @@ class Search:
             return tries
         rough = shown(coarse, tries, free)[0]
         order = np.argsort(-rough, kind="stable")
-        order = order[rough[order] > 0.5 * SEEN * typical][:1500]
+        enough = SEEN if raw else float(np.clip(typical - 0.2, SEEN, SEEN_CLEAR))
+        order = order[rough[order] > 0.5 * enough * typical][:1500]
         # Candidates near each other are refined to the same pose.
         _, lead = np.unique(group_motions(tries[order], 6.0, 4.0), return_index=True)
         tries = tries[order[np.sort(lead)[:REFINED]]]
         tries = fitted(fine, fitted(coarse, tries, free, 4), free, 2)
-        least = max(SEEN * typical, OVER_CHANCE * floor)
+        least = max(enough * typical, OVER_CHANCE * floor)
         found = np.zeros((0, 4, 4))
         share, stiff = shown(fine, tries, free)
         while len(tries):

@@ -185,7 +185,7 @@ class _Maker:
             return None
         poses = np.stack([np.eye(4), seed])
         pattern = _samples(self.network, region)
-        poses = np.concatenate([poses, self.search.find(pattern, poses, self.free)])
+        poses = np.concatenate([poses, self.search.find(pattern, poses, self.free, raw=True)])
         return consolidate_places(
             self.network, poses, pattern.points, k, self.free, epsilon=self.epsilon, progress=step
         )
