@@ -26,9 +26,10 @@ from .support import Screen, long_stretches
 MARGIN = {1: 0.5, 2: 0.35}
 """Share of a cell of an orbit with so many generators in which curves may reach over its border and stay whole."""
 
-HELD = 2.0
+HELD, BIT = 2.0, 0.6
 """What must hold the poses of a template in the direction that is held least, edge lengths (see `occurrences.shown`);
-half of what an occurrence must show that is found later: there are many places where one may be found."""
+half of what an occurrence must show that is found later: there are many places where one may be found. And the
+shortest template, in multiples of l0: clutter shows a shorter one anywhere."""
 
 FEW, ROUNDS, GROWS, DEEPEST = 4, 6, 1.03, 3
 """Occurrences below which those found later may change the curves, rounds of looking for more of them, by what factor
@@ -108,6 +109,7 @@ class _Maker:
             # A course that lay on other curves when folded has bent them: without it they are made anew.
             orbit, draft = self._cells(orbit, k, step, known=depth > 0)
         found, left = group(self.network, draft, self.free, radius=self.radius)
+        found = [one for one in found if one.lengths.sum() >= BIT * self.l0]
         found = [one for one in found if len(one.poses) >= FEW or self._is_thing(one)]
         most = max((len(one.poses) for one in found), default=0)
         for one in found:
