@@ -11,7 +11,7 @@ again: such a run is aligned as a whole and then extended by delta_l at both end
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -70,7 +70,27 @@ def feature_blast(network: CurveNetwork, strong, *, l0, s, t, delta_l, block=1 <
     if not len(tracks.start):
         return _no_matches()
     runs = _runs(tracks, s, block, threads, progress)
-    return _extend(tracks, runs, t, step, progress)
+    size = max(1, block // RUN)
+    parts = [runs[i : i + size] for i in range(0, len(runs), size)]
+    if not parts:
+        return replace(_no_matches(), point_pairs=tracks.point_pairs())
+    found = []
+    for k, part in enumerate(parts):
+        report = progress and (lambda stage, f, k=k: progress(stage, 0.8 + 0.2 * (k + f) / len(parts)))
+        found.append(_extend(tracks, part, t, step, report))
+    return _joined(found)
+
+
+RUN = 8
+"""Pairs of points that a run counts for in the block size: it takes more memory while it is extended."""
+
+
+def _joined(parts):
+    """Matches one after the other; all have seen the same pairs of points."""
+    if len(parts) == 1:
+        return parts[0]
+    names = [f.name for f in fields(Matches) if f.name != "point_pairs"]
+    return Matches(*(np.concatenate([getattr(p, n) for p in parts]) for n in names), point_pairs=parts[0].point_pairs)
 
 
 def _no_matches():
@@ -323,8 +343,6 @@ def _thin(tracks, runs):
 
 def _extend(tracks, runs, t, step, progress):
     """Align each run as a whole, extend it by `step` at both ends while its distance is below t, and rate it."""
-    if not len(runs):
-        return replace(_no_matches(), point_pairs=tracks.point_pairs())
     direction, i, j, length = runs.T
     window = np.where(direction > 0, j, len(tracks.start) - 1 - j)
     a, b = tracks.curve[i], tracks.curve[window]
@@ -339,7 +357,7 @@ def _extend(tracks, runs, t, step, progress):
     while len(active):
         active, rounds = stretches.grow(active, step, t), rounds + 1
         if progress:
-            progress("blast", 1 - 0.2 / (1 + 0.2 * rounds))
+            progress("blast", 1 - 1 / (1 + 0.2 * rounds))
     good = np.flatnonzero(stretches.distance() < t)
     distance, motions, stiffness = stretches.distance()[good], *stretches.motions(good)
     affinity = stretches.count[good] * np.exp(-distance / (0.5 * t))

@@ -17,6 +17,9 @@ from .rigid import best_rotation, inverse, motion
 CHANCE_SHARE = 0.1
 """Largest share of the agreeing samples that chance may explain."""
 
+TRACED = 30
+"""Occurrences that curves are traced on; the memory for that grows with its square."""
+
 FEW = 3
 """Occurrences up to which a curve is also taken from a single one, if most of it is agreed on."""
 
@@ -64,12 +67,30 @@ def _clean(overlay, mean, keep, weights, epsilon, report):
     """Clean curves through the samples of an overlay that are kept, and where those were moved."""
     weight = weights[overlay.sample[keep]]
     tick = lambda: report(0.7)  # noqa: E731
-    points, tangents = condense(mean[keep], overlay.tangents[keep], weight, radius=1.0 * epsilon, tick=tick)
-    paths = trace_curves(points, tangents, tick=tick)
+    some = _most_shown(overlay.cell[keep], weight)
+    points, lines = condense(
+        mean[keep][some], overlay.tangents[keep][some], weight[some], radius=1.0 * epsilon, tick=tick
+    )  # fmt: skip
+    paths = trace_curves(points, lines, tick=tick)
+    tangents = overlay.tangents[keep]
+    tangents[some] = lines
     curves, closed = fit_curves(
         paths, mean[keep], tangents, weight, overlay.run[keep], trails=(mean, overlay.tangents, overlay.run), tick=tick
     )
-    return curves, closed, points
+    return curves, closed, mean[keep]
+
+
+def _most_shown(cell, weight):
+    """Indices (k,) of the samples of the occurrences that show most, at most `TRACED` of them.
+
+    What runs where is plain from some; all of them say where exactly, and that costs no pairs of samples.
+    """
+    shown = np.bincount(cell, weight)
+    if (shown > 0).sum() <= TRACED:
+        return np.arange(len(cell))
+    best = np.zeros(len(shown), bool)
+    best[np.argsort(-shown, kind="stable")[:TRACED]] = True
+    return np.flatnonzero(best[cell])
 
 
 def _carried(overlay: Overlay, wide: Overlay, keep, mean):
