@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from .clustering import perturbed
-from .drafts import Draft, explained_samples, seen_points, seen_share
+from .drafts import Draft, explained_samples, seen_share
 from .network import CurveNetwork
 
 CHANCE_SEEN = 0.15
@@ -32,18 +32,16 @@ def group(network: CurveNetwork, draft: Draft, free, *, radius):
     A sample is evidence once: what a group explains is taken away before the next one is looked for. A curve must be
     seen clearly better than beside its places: on a dense wall bits of other curves lie along any line.
     """
-    out, places = [], []
-    rest, elsewhere = part_overlapping(network, draft, free, radius=radius)
+    out, places, rest = [], [], draft
     while rest.curves:
         evidence = seen_share(network, rest.curves, rest.poses, radius=radius, free=free)
-        evidence[elsewhere] = 0
         member, cells = _largest_group(evidence, rest.lengths, CHANCE_SEEN)
         left = np.setdiff1d(np.arange(len(rest.curves)), member)
         if len(cells) >= 2:
             one = replace(rest, evidence=evidence).part(member, cells)
             one = one.part(np.flatnonzero(_clear(network, one, free, radius)))
             if not one.curves:
-                rest, elsewhere = rest.part(left), elsewhere[:, left]
+                rest = rest.part(left)
                 continue
             whole = next((k for k, known in enumerate(places) if _same_cells(known, cells)), None)
             if whole is None:
@@ -59,61 +57,8 @@ def group(network: CurveNetwork, draft: Draft, free, *, radius):
                     evidence=np.concatenate([out[whole].evidence, more.evidence], axis=1),
                 )
             free = free & ~explained_samples(network, one, radius=radius, rivals=rest.part(left))
-        rest, elsewhere = rest.part(left), elsewhere[:, left]
+        rest = rest.part(left)
     return out, free
-
-
-def part_overlapping(network, draft: Draft, free, *, radius):
-    """Curves that are two, each seen in other cells, which lie on each other for a part of their way only.
-
-    The sills of two wings may come to lie on one line when the wings are laid over each other, and look like one
-    longer curve. No cell shows all of it: some show one part, up to one place, the others another part.
-
-    Returns
-    -------
-    draft : with such curves in two parts; elsewhere : (a, c) bool, cells that show the other part
-    """
-    curves, closed, columns = [], [], []
-    count = len(draft.poses)
-    seen = seen_points(network, draft.curves, draft.poses, radius=radius, free=free) if draft.curves else None
-    begin = 0
-    for curve, ring in zip(draft.curves, draft.closed):
-        mine = seen[:, begin : begin + len(curve)]
-        begin += len(curve)
-        parts = None if ring else _two_extents(mine)
-        for low, high, cells in parts or [(0, len(curve), np.ones(count, bool))]:
-            curves.append(curve[low:high])
-            closed.append(ring)
-            columns.append(~cells)
-    elsewhere = np.array(columns).T if columns else np.zeros((count, 0), bool)
-    if len(curves) == len(draft.curves):
-        return draft, elsewhere
-    return replace(draft, curves=curves, closed=closed, evidence=np.zeros((count, len(curves)))), elsewhere
-
-
-def _two_extents(seen, *, apart=8, near=6, coherent=0.6):
-    """Of what cells show (a, n) bool of a curve: two extents (low, high, cells (a,)) that they fall into, or None."""
-    steady = seen[:, :-2] & seen[:, 1:-1] & seen[:, 2:] if seen.shape[1] > 20 else seen[:, :0]
-    use = np.flatnonzero(seen.mean(axis=1) > CHANCE_SEEN) if steady.shape[1] else []
-    use = [a for a in use if steady[a].any()]
-    if len(use) < 4:
-        return None
-    ends = np.array([[np.argmax(steady[a]), steady.shape[1] + 1 - np.argmax(steady[a, ::-1])] for a in use])
-    # Two means of where cells begin and end to show it.
-    side = ends.sum(axis=1) > ends.sum(axis=1).mean()
-    for _ in range(8):
-        if not 2 <= side.sum() <= len(use) - 2:
-            return None
-        middle = np.array([np.median(ends[~side], axis=0), np.median(ends[side], axis=0)])
-        side = np.abs(ends - middle[1]).sum(axis=1) < np.abs(ends - middle[0]).sum(axis=1)
-    if not 2 <= side.sum() <= len(use) - 2 or (middle[1] - middle[0]).min() < apart:
-        return None
-    fits = [(np.abs(ends[s] - m) <= near).mean(axis=0).min() for s, m in ((~side, middle[0]), (side, middle[1]))]
-    if min(fits) < coherent:
-        return None
-    cells = np.zeros((2, len(seen)), bool)
-    cells[side.astype(int), use] = True
-    return [(int(low), int(high) + 1, c) for (low, high), c in zip(middle, cells)]
 
 
 def _clear(network, draft, free, radius):

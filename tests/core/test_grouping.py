@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from core.grouping import group, part_overlapping
+from core.grouping import group
 from tests import naive
 from tests.core import shapes
 
@@ -137,53 +137,9 @@ def test_what_is_seen_beside_its_places_as_well_is_no_curve(rng):
     assert len(one.curves) == 1 and one.curves[0] is draft.curves[0]
 
 
-def wings(rng, first, second, *, blurred=0, count=4):
-    """Cells of two wings whose curves come to lie on one line: each shows another stretch; the draft has the whole."""
-    whole = shapes.circle(40)[:90]
-    curves = [whole[slice(*(first if k < count else second))] + k * STEP + [0, 0, 8] for k in range(2 * count)]
-    curves = [c[rng.integers(0, blurred + 1) :] + 0.15 * rng.normal(size=(1, 3)) for c in curves]
-    other = shapes.ornament(rng, 1, size=20)[0] + [0, 0, 60]
-    curves += [other + k * STEP for k in range(2 * count)]
-    net = shapes.network(curves)
-    orbit = shapes.orbit(net, "translation", [naive.rigid(shift=STEP)], [2 * count - 1])
-    keys = np.arange(2 * count)[:, None]
-    own = [shapes.to_frame(net, c) for c in (whole + [0, 0, 8], naive.resample(other, 1.0))]
-    return net, shapes.draft(own, orbit.power(keys), keys=keys)
-
-
-@pytest.mark.parametrize("first, second", [((0, 50), (35, 90)), ((0, 40), (50, 90)), ((30, 90), (0, 60))])
-def test_curves_of_two_wings_that_lie_on_one_line_are_two(rng, first, second):
-    net, draft = wings(rng, first, second, blurred=3)
-    every = np.ones(len(net.points), bool)
-    parted, elsewhere = part_overlapping(net, draft, every, radius=RADIUS)
-    assert len(parted.curves) == 3 and elsewhere.shape == parted.evidence.shape == (8, 3)
-    assert np.array_equal(parted.curves[2], draft.curves[1]), "what all cells show stays whole"
-    assert not elsewhere[:, 2].any()
-    for line, hidden in zip(parted.curves[:2], elsewhere.T):
-        begin = naive.nearest(draft.curves[0], line[0])[0]
-        wing = 0 if not hidden[0] else 1
-        assert hidden.tolist() == [wing == 1] * 4 + [wing == 0] * 4
-        extent = (first, second)[wing]
-        # what is seen reaches beyond its end by the radius
-        assert abs(begin - extent[0]) <= 6 and abs(begin + len(line) - extent[1]) <= 6
-    assert len(draft.curves) == 2
-    drafts, _ = group(net, draft.part([0]), every, radius=RADIUS)
-    assert sorted(one.keys[:, 0].tolist() for one in drafts) == [[0, 1, 2, 3], [4, 5, 6, 7]]
-
-
-@pytest.mark.parametrize("first, second", [((0, 90), (0, 90)), ((0, 84), (6, 90)), ((0, 90), (30, 90))])
-def test_curves_that_all_cells_show_stay_whole(rng, first, second):
-    """Also those of which some cells show more than others, at one end only."""
-    net, draft = wings(rng, first, second)
-    parted, elsewhere = part_overlapping(net, draft, np.ones(len(net.points), bool), radius=RADIUS)
-    assert parted is draft and not elsewhere.any()
-
-
 def test_no_curves_no_samples_and_one_occurrence(rng):
     net, draft = row(rng, [range(6), range(6)])
     every = np.ones(len(net.points), bool)
     for one, free in ((draft.part([]), every), (draft, ~every), (draft.part(cells=[2]), every)):
         drafts, left = group(net, one, free, radius=RADIUS)
         assert drafts == [] and np.array_equal(left, free)
-        parted, elsewhere = part_overlapping(net, one, free, radius=RADIUS)
-        assert parted is one and elsewhere.shape == one.evidence.shape and not elsewhere.any()
