@@ -12,12 +12,17 @@ from .network import CurveNetwork
 from .rigid import embed, exponential, inverse, motion, rotation_vector, screw_velocity
 from .support import Screen
 
-CANDIDATES, SEEDS, ROOTS, SHARE, SAME, DISTINCT, ROWS = 100, 6, 12, 0.75, 5.0, 0.25, 0.3
-"""Motions that are looked at, those of them that are tried for each orbit, roots that are tried, share of the support
-that a root must keep, RMS edge lengths within which motions are one, and the share of its support by which a motion
-must stand out from those beside it (a quarter: on a scan straight jambs and mouldings, which support slides as well,
-are most of the length), and the share of the better supported generator's support that the other generator of a grid
-must have."""
+CANDIDATES, SEEDS, ROOTS, SAME = 100, 6, 12, 5.0
+"""Motions that are looked at, those of them that are tried for each orbit, roots that are tried, and the RMS edge
+lengths within which motions are one."""
+
+SHARE, CLOSED_SHARE = 0.75, 0.5
+"""Share of the support that a root must keep, and the first power of a rotation that closes a circle."""
+
+DISTINCT, ROWS = 0.25, 0.3
+"""Share of its support by which a motion must stand out from those beside it (on a scan straight jambs and mouldings,
+which support slides as well, are most of the length), and share of the better supported generator's support that the
+other generator of a grid must have."""
 
 
 @dataclass(frozen=True)
@@ -239,8 +244,9 @@ class _Finder:
         k = np.arange(1, (order - 1 if closed else most) + 1)
         support = self.screen.score(exponential(twist * k[:, None]))
         # Cells next to each other have most in common. Where the first step shows less than a later one, the later
-        # one is the step, and the first is a root that only parts of the network follow.
-        if support[0] < SHARE * support.max():
+        # one is the step, and the first is a root that only parts of the network follow. All powers of a closed
+        # rotation are seen; one that shows more has a sub-lattice of its own.
+        if support[0] < (CLOSED_SHARE if closed else SHARE) * support.max():
             return twist, 0, False, 0.0
         seen = support > 2 * self.chance
         if closed:

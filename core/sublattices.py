@@ -2,8 +2,9 @@
 """Sub-lattices: what recurs in some cells of an orbit only, under powers of its generators.
 
 The paper names it as a limit: a blade that is the same on two sides, on a tool whose handle repeats every 60 degrees,
-would be put at every 60 degrees. Here the generator belongs to the component: what the cells of an orbit do not
-explain is looked at under each power of its generators.
+would be put at every 60 degrees. Here the generator belongs to the component. Round a closed rotation each region is
+asked which powers it recurs under before cells are laid over each other; in any orbit, what its cells do not explain is
+looked at under each power of its generators.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from __future__ import annotations
 from math import gcd
 
 import numpy as np
+from scipy.ndimage import gaussian_filter
 
 from .clustering import perturbed
 from .orbits import Orbit
@@ -19,6 +21,80 @@ from .support import Screen, in_long_stretches, slips
 FARTHEST, CLEARLY, OVER_CHANCE = 6, 0.6, 2.0
 """Highest power that is looked at, share of the best power's support that a generator must keep to be one, and by
 what factor support must exceed that of motions beside."""
+
+
+REGION, FINER, SEEN, AS_GOOD = 8.0, 0.5, 0.15, 0.75
+"""Size of a region (standard deviation, edge lengths); the share of what recurs under the multiples of a power that
+the other powers show too, below which the region has a sub-lattice; the least share of a region that must recur; and of
+several powers the lowest is taken whose multiples show this share of what those of the best one show."""
+
+
+def steps_of(orbit: Orbit, screen: Screen):
+    """(n,) int64, for each sample the power of the generator of a closed rotation under which its region recurs.
+
+    1 where the region recurs under all powers, or where nothing is known; 1 everywhere for other orbits.
+
+    Notes
+    -----
+    A region is what lies at one height along the axis and one distance from it, in all cells. Its samples say together
+    how much of it each power takes onto the network: under all powers much the same where it recurs in every cell,
+    under the multiples of d alone where it recurs in every d-th. Single curves cannot tell, they have holes.
+    """
+    steps = np.ones(len(screen.points), np.int64)
+    order = int(orbit.count[0]) + 1
+    divisors = [d for d in range(2, order) if order % d == 0]
+    if not orbit.closed or not divisors:
+        return steps
+    hit, slipping = _hits_of_powers(orbit, screen, order)
+    region = _Regions(orbit, screen.points)
+    size = region.mean(screen.weight)
+    share = np.stack([region.mean(screen.weight * hit[p]) for p in range(1, order)]) / size
+    powers = np.arange(1, order)
+    best = np.zeros(len(steps))
+    for d in reversed(divisors):
+        among, rest = share[powers % d == 0].mean(axis=0), share[powers % d != 0].mean(axis=0)
+        better = (rest < FINER * among) & (among > SEEN) & (among >= AS_GOOD * best)
+        steps[better] = d
+        best = np.maximum(best, np.where(better, among, 0))
+    return np.where(slipping, 1, steps)
+
+
+def _hits_of_powers(orbit, screen, order):
+    """(order, n) bool, the samples that each power takes onto the network, and (n,) bool, those that slip along it."""
+    hit = np.zeros((order, len(screen.points)), bool)
+    for p in range(1, order):
+        motion = orbit.power([[p]])
+        row, k, _ = screen.hits(motion)
+        hit[p, k[in_long_stretches(row, k, screen.curve, screen.least)]] = True
+        screen.tick()
+    every = np.arange(len(screen.points))
+    slipping = slips(orbit.generators, np.zeros_like(every), screen.points, screen.tangents)
+    return hit & ~slipping, slipping
+
+
+class _Regions:
+    """Means over all points at about the same height along an axis and distance from it."""
+
+    def __init__(self, orbit, points, bin_size=2.0):
+        turn, slide = orbit.twists[0, :3], orbit.twists[0, 3:]
+        axis = turn / np.linalg.norm(turn)
+        local = points - np.cross(turn, slide) / (turn @ turn)
+        height = local @ axis
+        distance = np.linalg.norm(local - height[:, None] * axis, axis=1)
+        self.key = tuple(np.floor(np.stack([height - height.min(), distance]) / bin_size).astype(np.int64))
+        self.shape = [k.max() + 1 for k in self.key]
+        self.width = REGION / bin_size
+
+    def mean(self, value):
+        """(n,) float64, the sum of values (n,) around each point, by a Gaussian of width REGION."""
+        grid = np.zeros(self.shape)
+        np.add.at(grid, self.key, value)
+        return gaussian_filter(grid, self.width, mode="constant")[self.key]
+
+
+def coarser(orbit: Orbit, step, support) -> Orbit:
+    """The closed rotation by so many steps of another one."""
+    return _orbit_of(orbit, np.array([[step]]), support)
 
 
 def sublattice(orbit: Orbit, screen: Screen, free, *, shortest) -> Orbit | None:

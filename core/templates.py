@@ -20,7 +20,7 @@ from .occurrences import Pattern, Search, shown
 from .orbits import Orbit
 from .overlay import fold_orbit
 from .polishing import fit_orbit, fit_to_samples, settled
-from .sublattices import sublattice
+from .sublattices import coarser, steps_of, sublattice
 from .support import Screen, long_stretches
 
 MARGIN = {1: 0.5, 2: 0.35}
@@ -99,15 +99,25 @@ class _Maker:
         else:
             self._orbit(orbit, k, step)
 
-    def _orbit(self, orbit: Orbit, k, step, depth=0):
-        """Templates and courses of the cells of an orbit and of its sub-lattices; `depth` is that of a sub-lattice."""
-        orbit, draft = self._cells(orbit, k, step, known=depth > 0)
+    def _orbit(self, orbit: Orbit, k, step):
+        """Templates and courses of an orbit, each part of it with the generator under which it recurs."""
+        steps = steps_of(orbit, self.screen)
+        orbit = self._part(orbit, k, step, steps == 1)
+        for d in np.unique(steps[steps > 1]):
+            self._part(coarser(orbit, d, orbit.support), k, step, steps == d, depth=1)
+
+    def _part(self, orbit: Orbit, k, step, mine, depth=0):
+        """Templates and courses of what samples `mine` (n,) bool show in the cells of an orbit, and of sub-lattices.
+
+        depth : how many sub-lattices deep; the orbit, fitted to its cells, is returned
+        """
+        orbit, draft = self._cells(orbit, k, step, mine, known=depth > 0)
         if not draft.curves:
-            return
+            return orbit
         draft, found = self._without_courses(orbit, draft)
         if found:
             # A course that lay on other curves when folded has bent them: without it they are made anew.
-            orbit, draft = self._cells(orbit, k, step, known=depth > 0)
+            orbit, draft = self._cells(orbit, k, step, mine, known=depth > 0)
         found, left = group(self.network, draft, self.free, radius=self.radius)
         found = [one for one in found if one.lengths.sum() >= BIT * self.l0]
         found = [one for one in found if len(one.poses) >= FEW or self._is_thing(one)]
@@ -118,13 +128,14 @@ class _Maker:
         # What only few cells show may be seen better under a power of the generators.
         finer = None
         if depth < DEEPEST:
-            finer = sublattice(orbit, self.screen, self.free & self._own(k), shortest=self.l0)
+            finer = sublattice(orbit, self.screen, self.free & self._own(k) & mine, shortest=self.l0)
         if finer is not None:
-            self._orbit(finer, k, step, depth + 1)
+            self._part(finer, k, step, mine, depth + 1)
         for few in found:
             if 2 * len(few.poses) <= most:
                 for one in group(self.network, few, self.free, radius=self.radius)[0]:
                     self._add(one, self.free)
+        return orbit
 
     def search_all(self):
         """Look for the templates of orbits in what is left; those with most occurrences first."""
@@ -144,13 +155,13 @@ class _Maker:
         self.free &= ~explained
         return left & ~explained
 
-    def _cells(self, orbit: Orbit, k, step, known):
-        """The orbit, fitted to its cells, and a draft of what they agree on."""
+    def _cells(self, orbit: Orbit, k, step, mine, known):
+        """The orbit, fitted to its cells, and a draft of what they agree on; of samples `mine` (n,) bool alone."""
         # What slips along this orbit may have been given to another one, but is shown by it all the same.
         own = self._own(k)
         if not known:
             own = own | (self.model.hits[k] >= 2)
-        use = np.flatnonzero(own & self.free)
+        use = np.flatnonzero(own & self.free & mine)
         nothing = Draft([], [], np.zeros((0, 4, 4)), np.zeros((0, len(orbit.twists))), np.zeros((0, 0)), k, np.zeros(0))
         if len(use) < 2:
             return orbit, nothing
@@ -210,16 +221,18 @@ class _Maker:
         """The draft with all its occurrences; where it had few, its curves are made anew from all of them."""
         if not self._holds(draft):
             return [draft]
-        alone = not draft.orbital.any() or len(draft.poses) < FEW
         before = 0.0
         for _ in range(ROUNDS):
             pattern = _pattern(self.network, draft)
-            if alone:
+            orbital = draft.orbital.any()
+            alone = not orbital or len(draft.poses) < FEW
+            if orbital:
+                # The orbit vouches for its cells, however little they show.
+                poses = self.search.find(pattern, draft.poses, free)
+            else:
                 keep, poses = self.search.reconsider(pattern, draft.poses, free)
                 draft = draft.part(cells=np.flatnonzero(keep))
-            else:
-                poses = self.search.find(pattern, draft.poses, free)
-            if not len(poses) and (not alone or len(pattern.points) < GROWS * before):
+            if not len(poses) and (orbital or len(pattern.points) < GROWS * before):
                 break
             draft, before = _with_poses(draft, poses), len(pattern.points)
             if not alone:

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from core.sublattices import recurring_length, sublattice
+from core.sublattices import coarser, recurring_length, steps_of, sublattice
 from core.support import Screen
 from tests import naive
 from tests.core import shapes
@@ -159,3 +159,51 @@ def test_too_little_and_nothing_free(rng):
     assert sublattice(orbit, screen, np.zeros(len(free), bool), shortest=SHORTEST) is None
     once = free & (net.source[net.curve_of] < 32)  # the first of four
     assert once.any() and sublattice(orbit, screen, once, shortest=SHORTEST) is None
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.3])
+@pytest.mark.parametrize("fold, stride", [(6, 3), (6, 2), (8, 4), (12, 6), (6, 1)])
+def test_regions_know_their_steps(rng, fold, stride, noise):
+    step = naive.about([0.1, 0.2, 1], 2 * np.pi / fold, [3, 4, 5])
+    clutter = 0 if noise == 0 else 6
+    net, other = scene(rng, step, range(fold), range(0, fold, stride), out=[60, 0, 0], noise=noise, clutter=clutter)
+    # Each curve has a hole somewhere, and one in eight is not there at all.
+    curves = [net.to_world(net.curve(i)) for i in np.argsort(net.source)]
+    holes = rng.integers(8, 30, size=len(curves))
+    parts = [part for k, (c, h) in enumerate(zip(curves, holes)) if k % 8 != 5 for part in (c[:h], c[h + 6 :])]
+    net = shapes.network(parts, smoothing=1.0)
+    thing = np.repeat([k // 4 >= fold for k in range(len(curves)) if k % 8 != 5], 2)[net.source]
+    sure = np.repeat([k < 4 * (fold + fold // stride) for k in range(len(curves)) if k % 8 != 5], 2)[net.source]
+    orbit = shapes.orbit(net, "rotation", [step], [fold - 1], closed=True)
+    steps = steps_of(orbit, Screen(net, radius=2.0))
+    expected = np.where(thing, stride, 1)[net.curve_of]
+    right = (steps == expected)[sure[net.curve_of]]
+    assert right.mean() > 0.9
+    assert np.array_equal(steps, steps_of(orbit, Screen(net, radius=2.0)))
+
+
+def test_what_slips_belongs_to_the_whole(rng):
+    step = naive.about([0, 0, 1], np.pi / 3, [0, 0, 0])
+    ring = shapes.circle(50, [0, 0, 26])
+    net, _ = scene(rng, step, range(6), (0, 3), out=[60, 0, 0], more=[ring])
+    orbit = shapes.orbit(net, "rotation", [step], [5], closed=True)
+    steps = steps_of(orbit, Screen(net, radius=2.0))
+    assert (steps[net.source[net.curve_of] == net.source.max()] == 1).mean() > 0.95
+
+
+def test_only_closed_rotations_are_asked(rng):
+    step = naive.rigid(shift=[34, 5, 0])
+    net, _ = scene(rng, step, range(7), range(0, 7, 2))
+    assert (steps_of(shapes.orbit(net, "translation", [step], [6]), Screen(net, radius=2.0)) == 1).all()
+    arc = naive.about([0, 0, 1], np.pi / 6, [0, 0, 0])
+    net, _ = scene(rng, arc, range(5), (0, 2), out=[60, 0, 0])
+    assert (steps_of(shapes.orbit(net, "rotation", [arc], [4]), Screen(net, radius=2.0)) == 1).all()
+
+
+def test_the_coarser_orbit_closes_too(rng):
+    step = naive.about([0, 0, 1], np.pi / 6, [0, 0, 0])
+    net, _ = scene(rng, step, range(12), ())
+    orbit = shapes.orbit(net, "rotation", [step], [11], closed=True)
+    third = coarser(orbit, 4, 7.0)
+    assert third.closed and third.count.tolist() == [2] and third.support == 7.0
+    assert np.allclose(third.generators, np.linalg.matrix_power(orbit.generators[0], 4))
