@@ -6,9 +6,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from .clustering import perturbed
-from .drafts import Draft, explained_samples, seen_share
+from .drafts import Draft, explained_samples, placed, seen_points, seen_share
 from .network import CurveNetwork
 
 CHANCE_SEEN = 0.15
@@ -110,3 +111,61 @@ def _largest_group(evidence, length, chance):
 def _least_share(level):
     """Share of what a full cell shows that makes a cell an occurrence: the more is seen, the more is asked for."""
     return float(np.clip(level - 0.3, 0.35, 0.55))
+
+
+APART, FEWEST, LARGEST, STRETCH = 0.25, 3, 10, 8
+"""Share of their cells that groups of two kinds have in common at most, fewest cells of a kind, how many of the groups
+may be kinds (those that show most), and points of a curve along which a kind of cells must show it, or not show it."""
+
+
+def kinds_of_cells(network: CurveNetwork, draft: Draft, groups, *, radius):
+    """(n,) int64, for each sample the kind of cells that it lies in; None where cells need not be told apart.
+
+    Two wings of a building may have the same step, but other windows, or windows that are not on one lattice. Laid over
+    each other, a sill of the one then continues a sill of the other, and the two are drafted as one curve. That there
+    are two kinds of cells is known from all that differs; a curve of which one kind shows only a part is a mixture.
+
+    Parameters
+    ----------
+    draft : all curves that the cells agree on; groups : list of Draft, those that are seen in the same cells
+    radius : edge lengths, within which a sample shows a curve
+    """
+    large = sorted((one for one in groups if len(one.poses) >= FEWEST), key=_shown_length)[-LARGEST:]
+    kinds = _kinds([(set(map(tuple, one.keys)), one) for one in reversed(large)])
+    if len(kinds) < 2:
+        return None
+    mixed, shared = _mixed_and_shared(network, draft, [cells for cells, _ in kinds], radius)
+    if draft.lengths[mixed].sum() <= draft.lengths[shared].sum():
+        return None
+    points = [placed(one)[0] for _, one in kinds]
+    near = cKDTree(np.concatenate(points)).query(network.points, workers=-1)[1]
+    return np.repeat(np.arange(len(kinds)), [len(p) for p in points])[near]
+
+
+def _kinds(groups):
+    """Of groups (cells, draft), those that have next to no cells in common and show most together."""
+    if not groups:
+        return []
+    (cells, _one), rest = groups[0], groups[1:]
+    apart = [g for g in rest if len(cells & g[0]) <= APART * min(len(cells), len(g[0]))]
+    with_it, without = [groups[0], *_kinds(apart)], _kinds(rest) if len(apart) < len(rest) else []
+    return max(with_it, without, key=lambda kinds: sum(_shown_length(one) for _, one in kinds))
+
+
+def _shown_length(draft):
+    return draft.lengths.sum() * len(draft.poses)
+
+
+def _mixed_and_shared(network, draft, kinds, radius):
+    """(c,) bool, curves of which a kind of cells shows a part and another one the rest; those that two show whole."""
+    keys = list(map(tuple, draft.keys))
+    seen = seen_points(network, draft.curves, draft.poses, radius=radius)
+    share = np.stack([seen[[a for a, key in enumerate(keys) if key in kind]].mean(axis=0) for kind in kinds])
+    size = np.array([len(c) for c in draft.curves])
+    first = np.cumsum(size) - size
+    typical = np.median(np.maximum.reduceat(share.max(axis=0), first))
+    shown, hidden = share > 0.4 * typical, share < 0.15 * typical
+    elsewhere = hidden & (shown.sum(axis=0) > 0)
+    much, gone, rest = (np.add.reduceat(x, first, axis=1, dtype=int) for x in (shown, hidden, elsewhere))
+    mixed = ((much >= STRETCH) & (rest >= STRETCH)).any(axis=0)
+    return mixed, ((much >= 0.5 * size) & (gone < STRETCH)).sum(axis=0) >= 2

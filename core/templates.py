@@ -14,7 +14,7 @@ from .copies import unite
 from .courses import Course, find_courses
 from .drafting import consolidate, consolidate_places
 from .drafts import Draft, along, directions, explained_samples, seen_share
-from .grouping import group
+from .grouping import group, kinds_of_cells
 from .network import CurveNetwork
 from .occurrences import Pattern, Search, shown
 from .orbits import Orbit
@@ -120,6 +120,11 @@ class _Maker:
             orbit, draft = self._cells(orbit, k, step, mine, known=depth > 0)
         found, left = group(self.network, draft, self.free, radius=self.radius)
         found = [one for one in found if one.lengths.sum() >= BIT * self.l0]
+        apart = None if depth == DEEPEST else kinds_of_cells(self.network, draft, found, radius=self.radius)
+        if apart is not None:
+            for kind in range(apart.max() + 1):
+                self._part(orbit, k, step, mine & (apart == kind), depth + 1)
+            return orbit
         found = [one for one in found if len(one.poses) >= FEW or self._is_thing(one)]
         most = max((len(one.poses) for one in found), default=0)
         for one in found:

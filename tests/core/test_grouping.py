@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from core.grouping import group
+from core.grouping import group, kinds_of_cells
 from tests import naive
 from tests.core import shapes
 
@@ -143,3 +143,52 @@ def test_no_curves_no_samples_and_one_occurrence(rng):
     for one, free in ((draft.part([]), every), (draft, ~every), (draft.part(cells=[2]), every)):
         drafts, left = group(net, one, free, radius=RADIUS)
         assert drafts == [] and np.array_equal(left, free)
+
+
+def wings(rng, sills, *, left=(0, 1, 2, 3), right=(5, 6, 7), both=(), noise=0.2):
+    """Two wings on one row of cells, each with curves of its own, and a sill 50 long of which each shows a part.
+
+    sills : part (begin, end) of the sill that the left and the right wing show; both : lengths of curves that all have
+    """
+    own = [line + [0, 0, 25 * c] for c, line in enumerate(shapes.ornament(rng, 4, size=20))]
+    shared = [shapes.wiggle(rng, n) + [0, -30 - 10 * i, 0] for i, n in enumerate(both)]
+    sill = shapes.line(51, [-5, -15, 5])
+    curves, of_right = [], []
+    for wing, (cells, (begin, end)) in enumerate(zip((left, right), sills)):
+        for k in cells:
+            for line in [*own[2 * wing : 2 * wing + 2], *shared, sill[begin:end]]:
+                curves.append(line + k * STEP + noise * rng.normal(size=line.shape))
+                of_right.append(wing == 1)
+    net = shapes.network(curves, smoothing=1.5)
+    count = max(*left, *right) + 1
+    orbit = shapes.orbit(net, "translation", [naive.rigid(shift=STEP)], [count - 1])
+    keys = np.arange(count)[:, None]
+    clean = [shapes.to_frame(net, naive.resample(c, 1.0)) for c in [*own, *shared, sill]]
+    draft = shapes.draft(clean, orbit.power(keys), keys=keys)
+    groups, _ = group(net, draft, np.ones(len(net.points), bool), radius=RADIUS)
+    return net, draft, groups, np.array(of_right)[net.source][net.curve_of]
+
+
+@pytest.mark.parametrize("sills", [((0, 35), (15, 51)), ((10, 40), (0, 51)), ((0, 51), (20, 51)), ((0, 25), (26, 51))])
+@pytest.mark.parametrize("seed", range(2))
+def test_cells_of_two_kinds_are_told_apart_by_a_curve_that_they_show_in_part(seed, sills):
+    net, draft, groups, of_right = wings(np.random.default_rng(seed), sills)
+    kinds = kinds_of_cells(net, draft, groups, radius=RADIUS)
+    assert set(kinds) == {0, 1}
+    # The larger wing is the first kind.
+    assert (kinds == of_right).mean() > 0.95
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"sills": ((0, 51), (0, 51))},
+        {"sills": ((0, 51), (0, 0))},
+        {"sills": ((0, 35), (15, 51)), "both": (80,)},
+        {"sills": ((0, 35), (15, 51)), "right": (5, 6)},
+    ],
+    ids=["both show it whole", "one shows it", "they share more", "two cells"],
+)
+def test_cells_need_not_be_told_apart(rng, options):
+    net, draft, groups, _ = wings(rng, **options)
+    assert kinds_of_cells(net, draft, groups, radius=RADIUS) is None
