@@ -73,7 +73,7 @@ def single_curves(network: CurveNetwork, left, alone, parameters):
     ]
 
 
-SHORT, LINK_ARM, LINK_ANGLE, LINK_BEND = 0.6, 25, 20.0, 1.0
+SHORT, LINK_ARM, LINK_ANGLE, LINK_BEND = 0.6, 25, 35.0, 1.0
 """Shortest piece, in multiples of l0, that is linked with others, samples of its end that say how it goes on, largest
 angle (degrees), and largest distance of the two ends from a common parabola (edge lengths, RMS)."""
 

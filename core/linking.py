@@ -39,7 +39,8 @@ def linked_paths(paths, *, gap=6.0, angle=35.0, most=np.inf, passed=None, parted
         return []
     arm = ARM if arm is None else arm
     tip = np.concatenate([[p[0], p[-1]] for p in paths])
-    way = np.concatenate([[_outward(p, arm), _outward(p[::-1], arm)] for p in paths])
+    bends = arm <= ARM
+    way = np.concatenate([[_outward(p, arm, bends), _outward(p[::-1], arm, bends)] for p in paths])
     arms = [part for p in paths for part in (p[:arm], p[::-1][:arm])]
     partner = match_ends(tip, way, arms, [len(p) for p in paths], gap, angle, most, passed, parted, forced)
     out, used = [], np.zeros(len(paths), bool)
@@ -53,15 +54,18 @@ def linked_paths(paths, *, gap=6.0, angle=35.0, most=np.inf, passed=None, parted
     return out
 
 
-def _outward(path, length=None):
-    """Direction in which a path leaves through its first point: the slope there of a parabola through the arm."""
+def _outward(path, length=None, bends=True):
+    """Direction in which a path leaves through its first point.
+
+    The slope there of a parabola through the arm, or where noise would decide on that, of a straight line.
+    """
     length = ARM if length is None else length
     arm = path[:length]
     s = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(arm, axis=0), axis=1))])
     if len(arm) < 4 or s[-1] <= 0:
         v = path[0] - path[min(len(path) - 1, length)]
     else:
-        basis = np.stack([np.ones_like(s), s, s * s], axis=1)
+        basis = np.stack([np.ones_like(s), s, s * s][: 3 if bends else 2], axis=1)
         v = -np.linalg.lstsq(basis, arm, rcond=None)[0][1]
     return v / max(np.linalg.norm(v), 1e-12)
 
