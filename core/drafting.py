@@ -43,7 +43,8 @@ def consolidate(
     count, mean = agreement(overlay, radius=1.25 * epsilon, progress=lambda f: report(0.3 * f))
     shifts = chance_shifts(overlay)
     wrong, _ = agreement(overlay, radius=1.25 * epsilon, shifts=shifts, progress=lambda f: report(0.3 + 0.3 * f))
-    enough = agreed(count, least_agreement(count, wrong, weight), overlay.run, few=len(overlay.poses) <= FEW)
+    least = least_agreement(count, wrong, weight)
+    enough = agreed(count, least, overlay.run, few=_well_shown(overlay.cell, weight * (count > 0)) <= FEW)
     cells = np.ones(len(overlay.poses), bool)
     curves, closed = [], []
     if wide is None:
@@ -78,6 +79,12 @@ def _clean(overlay, mean, keep, weights, epsilon, report):
         paths, mean[keep], tangents, weight, overlay.run[keep], trails=(mean, overlay.tangents, overlay.run), tick=tick
     )
     return curves, closed, mean[keep]
+
+
+def _well_shown(cell, weight):
+    """Number of occurrences that show at least a quarter of what the fullest one does."""
+    shown = np.bincount(cell, weight)
+    return int((shown >= 0.25 * shown.max()).sum())
 
 
 def _most_shown(cell, weight):

@@ -63,6 +63,8 @@ def _complete(curves, edge_length, p, progress):
         )  # fmt: skip
     with clock.stage("voting", seconds):
         votes = vote(network, matches, bin_translation=p.bin_translation, bin_rotation=p.bin_rotation)
+    found, point_pairs = len(matches), matches.point_pairs
+    del matches  # By far the largest value of all stages.
     with clock.stage("clustering", seconds):
         screen = Screen(network, radius=p.epsilon, threads=threads, tick=clock.tick)
         clusters = cluster_votes(
@@ -83,8 +85,8 @@ def _complete(curves, edge_length, p, progress):
         completion = build_completion(network, model, drafts, courses, len(curves), p, seconds)
     counts = np.diff(network.offsets)
     completion.work.update(
-        strong_curves=len(strong), strong_samples=int(counts[strong].sum()), point_pairs=matches.point_pairs,
-        matches=len(matches), transformations=len(clusters),
+        strong_curves=len(strong), strong_samples=int(counts[strong].sum()), point_pairs=point_pairs,
+        matches=found, transformations=len(clusters),
     )  # fmt: skip
     return completion
 
