@@ -113,7 +113,7 @@ def _lines(kind, mesh, field, surface, parameters, tick) -> Lines:
         return sharp_lines(mesh, field, np.radians(parameters.sharp_angle))
     if kind == BOUNDARY:
         return boundary_lines(mesh, field)
-    weak = np.radians(parameters.weak_fold)
+    strong_fold, weak = parameters.folds(field.noise)
     lines, sound = crest_lines(mesh, field, kind, 0.5 * weak)
     tick(0.2)
     clear = sound & (lines.fold >= weak) & ~surface.near_boundary(lines.points, parameters.margin * h)
@@ -124,18 +124,18 @@ def _lines(kind, mesh, field, surface, parameters, tick) -> Lines:
     for _ in range(2):  # what was short before the first round may be long enough for a wider gap in the second
         lines = linked(lines, surface, field, gap=parameters.gap * h, turn=np.radians(parameters.turn))
     tick(0.7)
-    strong = lines.fold >= np.radians(parameters.strong_fold)
+    strong = lines.fold >= strong_fold
     bridge = np.arange(len(lines.points)) >= traced
     lines = lines.with_segments(without_faint_tails(lines.segments, len(lines.points), strong & ~bridge, bridge))
     lines = without_spurs(lines, parameters.min_length * h)
-    return _strong(lines, parameters, h)
+    return _strong(lines, strong_fold, parameters, h)
 
 
-def _strong(lines: Lines, parameters: DetectionParameters, h: float) -> Lines:
+def _strong(lines: Lines, strong_fold: float, parameters: DetectionParameters, h: float) -> Lines:
     """The curves that are long enough, and strong over enough of their length."""
     pieces = lines.chains()
     share = weights(pieces, lines.points)
-    strong = lines.fold[pieces.nodes] >= np.radians(parameters.strong_fold)
+    strong = lines.fold[pieces.nodes] >= strong_fold
     strong_length = np.bincount(pieces.label, share * strong, len(pieces))
     keep = (strong_length >= parameters.strong_length * h) & (strong_length > 0)
     keep &= pieces.lengths(lines.points) >= parameters.min_length * h

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .mesh import TriangleMesh
+from .noise import noise_fold, noise_level
 from .smoothing import Diffusion, corner_areas, corner_cotangents
 
 _TINY = 1e-300
@@ -28,6 +29,7 @@ class Curvature:
     high_slope, low_slope : (n,) float64, derivative of each curvature along its own direction (extremality)
     points, normals : (n, 3) float64, the smoothed surface; the normals are unit
     width : (n,) float64, standard deviation of all smoothing that the curvatures went through, scene units
+    noise : radians, the fold angle that the mesh's noise alone makes after this smoothing (noise.py)
     """
 
     high: np.ndarray
@@ -39,6 +41,7 @@ class Curvature:
     points: np.ndarray
     normals: np.ndarray
     width: np.ndarray
+    noise: float
 
     @property
     def strength(self) -> np.ndarray:
@@ -63,6 +66,8 @@ def curvature(mesh: TriangleMesh, scale: float, *, fine: float = 0.5, tick=None)
     if fine > 0:
         normals = _unit(diffusion.smooth(normals, fine * width, 2, tick))
     tick()
+    noise = noise_fold(noise_level(mesh.vertices - centre, normals, mesh), scale, mesh.edge_length)
+    tick()
     shape = face_shape(points, normals, mesh.faces)
     tick()
     tensor = vertex_tensors(face_tensors(shape, normals, mesh.faces), shape, normals, mesh)
@@ -78,7 +83,7 @@ def curvature(mesh: TriangleMesh, scale: float, *, fine: float = 0.5, tick=None)
         derivative = diffusion.smooth(derivative, fine * width, 1, tick)
     whole = width * np.sqrt(1 + 2 * fine**2)  # of the curvatures: variances of diffusions add up
     high_slope, low_slope = cubic(derivative, high_direction), cubic(derivative, low_direction)
-    return Curvature(high, low, high_direction, low_direction, high_slope, low_slope, points + centre, normals, whole)
+    return Curvature(high, low, high_direction, low_direction, high_slope, low_slope, points + centre, normals, whole, noise)
 
 
 def _unit(vectors):
