@@ -104,7 +104,7 @@ def best_pairs(pairs: np.ndarray, cost: np.ndarray, count: int) -> np.ndarray:
     return np.concatenate(taken)
 
 
-def linked(lines: Lines, surface: Surface, curvature: Curvature, *, gap: float, turn: float) -> Lines:
+def linked(lines: Lines, surface: Surface, curvature: Curvature, *, gap: float, turn: float, tick=lambda: None) -> Lines:
     """Lines with the gaps between pieces that continue each other bridged by points on the surface.
 
     Parameters
@@ -114,15 +114,17 @@ def linked(lines: Lines, surface: Surface, curvature: Curvature, *, gap: float, 
     """
     h = surface.mesh.edge_length
     pieces = lines.chains()
+    tick()
     ends = piece_ends(lines, pieces, _REACH * h)
     pairs, cost = candidate_links(ends, gap, turn, h)
     pairs = best_pairs(pairs, cost, len(ends.node))
+    tick()
     if not len(pairs):
         return lines
-    return _bridged(lines, pieces, surface, curvature, ends, pairs)
+    return _bridged(lines, pieces, surface, curvature, ends, pairs, tick)
 
 
-def _bridged(lines, pieces, surface, curvature, ends, pairs) -> Lines:
+def _bridged(lines, pieces, surface, curvature, ends, pairs, tick) -> Lines:
     """Points about every edge length along a cubic between the two ends, brought onto the surface."""
     h = surface.mesh.edge_length
     a, b = pairs.T
@@ -136,7 +138,7 @@ def _bridged(lines, pieces, surface, curvature, ends, pairs) -> Lines:
     wanted = (2 * t**3 - 3 * t**2 + 1) * p + (t**3 - 2 * t**2 + t) * m + (3 * t**2 - 2 * t**3) * q + (t**3 - t**2) * n
     mesh = surface.mesh
     if len(wanted):
-        face, weight, off = surface.closest(wanted)
+        face, weight, off = surface.closest(wanted, tick=tick)
     else:
         face, weight, off = np.zeros(0, np.int64), np.zeros((0, 3)), np.zeros(0)
     # a bridge through the air is none, and one across another line takes the wrong turn at a junction

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy import sparse
 
 from ..errors import InputError
+from .blocks import parts
 from .edges import edge_table
 from .ordering import group_starts, order_by
 from .orientation import oriented
@@ -86,8 +86,7 @@ class TriangleMesh:
         index[used] = position
         points, faces = vertices[used[first]], index[triangles]
         tick()
-        keep = np.flatnonzero(_has_area(points, faces))
-        tick()
+        keep = np.flatnonzero(_has_area(points, faces, tick))
         keep = keep[_first_of_each(faces[keep], len(points), tick)]
         if not len(keep):
             raise InputError("all faces have zero area: give a mesh with a surface")
@@ -125,13 +124,6 @@ class TriangleMesh:
         mask = np.zeros(len(self.vertices), bool)
         mask[self.edges[self.edge_faces == 1]] = True
         return mask
-
-    def corner_matrix(self, weight: np.ndarray) -> sparse.csr_matrix:
-        """(n, m) sparse: `weight` (m, 3) of each face at its corners, to gather face values at vertices."""
-        m = len(self.faces)
-        return sparse.csr_matrix(
-            (weight.ravel(), (self.faces.ravel(), np.repeat(np.arange(m), 3))), (len(self.vertices), m)
-        )
 
 
 def triangulate(faces) -> tuple[np.ndarray, np.ndarray]:
@@ -207,11 +199,15 @@ def _mixed(bits) -> np.ndarray:
     return out
 
 
-def _has_area(points, faces) -> np.ndarray:
-    p = points[faces]
-    sides = p[:, [1, 2, 0]] - p
-    longest = (sides**2).sum(axis=2).max(axis=1)
-    return np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1) > _DEGENERATE * longest
+def _has_area(points, faces, tick) -> np.ndarray:
+    out = np.empty(len(faces), bool)
+    for part in parts(len(faces)):
+        p = points[faces[part]]
+        sides = p[:, [1, 2, 0]] - p
+        longest = (sides**2).sum(axis=2).max(axis=1)
+        out[part] = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1) > _DEGENERATE * longest
+        tick()
+    return out
 
 
 def _first_of_each(faces, count, tick) -> np.ndarray:

@@ -15,7 +15,7 @@ _STRENGTH, _MESH = 0.66, 0.6
 The second is the squared width, in edges, of the smoothing that the fit of the tensors brings along by itself."""
 
 
-def noise_level(points: np.ndarray, normals: np.ndarray, mesh: TriangleMesh) -> float:
+def noise_level(points: np.ndarray, normals: np.ndarray, mesh: TriangleMesh, tick=lambda: None) -> float:
     """Standard deviation of the vertices along the normals as far as neighbours do not share it, scene units.
 
     Each vertex's height above the mean of its neighbours, compared with the mean of their heights: what is left is
@@ -34,6 +34,7 @@ def noise_level(points: np.ndarray, normals: np.ndarray, mesh: TriangleMesh) -> 
     degree = np.bincount(i, minlength=n) + np.bincount(j, minlength=n)
 
     def mean_around(x):
+        tick()
         return (np.bincount(i, x[j], n) + np.bincount(j, x[i], n)) / degree
 
     height = sum(normals[:, k] * (points[:, k] - mean_around(points[:, k])) for k in range(3))

@@ -26,6 +26,9 @@ DEFAULTS = DetectionParameters()
 _ITERATIONS = 60
 """About how often smoothing calls back at the default detail; only the progress shown depends on it."""
 
+_STEPS = 15
+"""About how often the lines of one kind call back; the same holds."""
+
 
 def detect(
     mesh: TriangleMesh,
@@ -79,9 +82,13 @@ def _found(mesh, field, kinds, parameters, progress) -> FeatureCurves:
     found = []
     for i, kind in enumerate(kinds):
 
-        def tick(part, i=i):
+        done = 0
+
+        def tick(i=i):
+            nonlocal done
+            done += 1
             if progress is not None:
-                progress("lines", (i + part) / len(kinds))
+                progress("lines", (i + done / (done + _STEPS)) / len(kinds))
 
         found.append(_lines(kind, mesh, field, surface, parameters, tick))
     if progress is not None:
@@ -108,26 +115,29 @@ def measure(mesh: TriangleMesh, *, parameters: DetectionParameters = DEFAULTS, p
 def _lines(kind, mesh, field, surface, parameters, tick) -> Lines:
     """The finished lines of one kind."""
     h = mesh.edge_length
-    tick(0.0)
+    tick()
     if kind == SHARP:
         return sharp_lines(mesh, field, np.radians(parameters.sharp_angle))
     if kind == BOUNDARY:
         return boundary_lines(mesh, field)
     strong_fold, weak = parameters.folds(field.noise)
-    lines, sound = crest_lines(mesh, field, kind, 0.5 * weak)
-    tick(0.2)
+    lines, sound = crest_lines(mesh, field, kind, 0.5 * weak, tick)
+    tick()
     clear = sound & (lines.fold >= weak) & ~surface.near_boundary(lines.points, parameters.margin * h)
-    lines = lines.with_segments(clear_segments(lines.segments, lines.points, clear, parameters.bridge * h))
-    lines = without_doubles(lines, parameters.merge * h)
-    tick(0.4)
+    lines = lines.with_segments(clear_segments(lines.segments, lines.points, clear, parameters.bridge * h, tick))
+    tick()
+    lines = without_doubles(lines, parameters.merge * h, tick)
+    tick()
     traced = len(lines.points)
     for _ in range(2):  # what was short before the first round may be long enough for a wider gap in the second
-        lines = linked(lines, surface, field, gap=parameters.gap * h, turn=np.radians(parameters.turn))
-    tick(0.7)
+        lines = linked(lines, surface, field, gap=parameters.gap * h, turn=np.radians(parameters.turn), tick=tick)
+        tick()
     strong = lines.fold >= strong_fold
     bridge = np.arange(len(lines.points)) >= traced
     lines = lines.with_segments(without_faint_tails(lines.segments, len(lines.points), strong & ~bridge, bridge))
+    tick()
     lines = without_spurs(lines, parameters.min_length * h)
+    tick()
     return _strong(lines, strong_fold, parameters, h)
 
 
