@@ -24,7 +24,7 @@ def edge_table(faces: np.ndarray, count: int, tick=lambda: None) -> tuple[np.nda
 
 
 def face_pairs(face_edges: np.ndarray, edge_faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Positions (k,) in `face_edges.ravel()` of the two faces at each edge that has exactly two, in order of the edges."""
+    """Positions (k,) in `face_edges.ravel()` of the two faces at each edge with exactly two, in order of the edges."""
     order = order_by(face_edges.ravel(), count=len(edge_faces))
     first = (np.cumsum(edge_faces) - edge_faces)[edge_faces == 2]
     return order[first], order[first + 1]

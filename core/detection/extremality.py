@@ -56,7 +56,9 @@ def fold_angle(value: np.ndarray, width: np.ndarray, local: float) -> np.ndarray
     return np.maximum(value, 0) * np.sqrt(width**2 + (0.5 * local) ** 2) * sqrt(2 * pi)
 
 
-def crest_lines(mesh: TriangleMesh, curvature: Curvature, kind: int, least_fold: float, tick=lambda: None) -> tuple[Lines, np.ndarray]:
+def crest_lines(
+    mesh: TriangleMesh, curvature: Curvature, kind: int, least_fold: float, tick=lambda: None
+) -> tuple[Lines, np.ndarray]:
     """Zero crossings of the extremality along edges, joined through faces.
 
     Along an edge the direction of one end is turned to agree with the other's, so the crossing belongs to

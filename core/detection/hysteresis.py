@@ -8,7 +8,9 @@ import numpy as np
 from .chains import Chains, chains
 
 
-def clear_segments(segments: np.ndarray, points: np.ndarray, clear: np.ndarray, bridge: float, tick=lambda: None) -> np.ndarray:
+def clear_segments(
+    segments: np.ndarray, points: np.ndarray, clear: np.ndarray, bridge: float, tick=lambda: None
+) -> np.ndarray:
     """Segments (k, 2) between clear points, and those of faint runs no longer than `bridge` between two clear points.
 
     Parameters

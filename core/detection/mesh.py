@@ -11,6 +11,7 @@ import numpy as np
 from ..errors import InputError
 from .blocks import parts
 from .edges import edge_table
+from .memory import room_for
 from .ordering import group_starts, order_by
 from .orientation import oriented
 
@@ -53,7 +54,7 @@ class TriangleMesh:
         Raises
         ------
         InputError
-            no faces, indices out of range, coordinates that are not finite, only zero-area faces.
+            no faces, indices out of range, coordinates that are not finite, only zero-area faces, too little memory
 
         Notes
         -----
@@ -68,6 +69,14 @@ class TriangleMesh:
             if progress is not None:
                 progress("mesh", done / (done + 10))
 
+        with room_for(0 if faces is None else len(faces)):
+            made = cls._cleaned(vertices, faces, tick)
+        if progress is not None:
+            progress("mesh", 1.0)
+        return made
+
+    @classmethod
+    def _cleaned(cls, vertices, faces, tick) -> TriangleMesh:
         tick()
         vertices = _checked_vertices(vertices)
         triangles, source = triangulate(faces)
@@ -99,8 +108,6 @@ class TriangleMesh:
         edges, face_edges = edge_table(faces, len(points), tick)
         turn = oriented(points, faces, face_edges, tick)
         faces[turn], face_edges[turn] = faces[turn][:, [0, 2, 1]], face_edges[turn][:, [0, 2, 1]]
-        if progress is not None:
-            progress("mesh", 1.0)
         return cls(points, faces, used[first][inside], source[keep], edges, face_edges)
 
     @cached_property

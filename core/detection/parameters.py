@@ -31,6 +31,7 @@ class DetectionParameters:
     bridge: float = _value(6.0, EDGES, "longest faint stretch between two clear ones that stays", 0, 100)
     gap: float = _value(10.0, EDGES, "longest gap over which pieces that continue each other are joined", 0, 100)
     turn: float = _value(60.0, DEGREES, "largest turn from a piece into the gap and out of it", 0, 90)
+    junction: float = _value(0.0, EDGES, "ends that come this near to a line ahead of them are led on to it", 0, 100)
     merge: float = _value(1.0, EDGES, "lines of one kind that run beside each other within this are one", 0, 10)
     margin: float = _value(0.0, EDGES, "crest lines nearer than this to an open boundary are left out", 0, 100)
     sharp_angle: float = _value(35.0, DEGREES, "a sharp edge bends the surface by at least this angle", 1, 179)

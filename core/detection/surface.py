@@ -52,18 +52,18 @@ class Surface:
         barycentric : (k, 3) float64, weights of the face's corners
         distance : (k,) float64
         """
-        self._tree, self._fan  # made here, so that it counts as a step of its own
+        tree, fan = self._tree, self._fan
         tick()
         faces, weights, distance = np.zeros(len(points), np.int64), np.zeros((len(points), 3)), np.zeros(len(points))
         for part in parts(len(points)):
-            faces[part], weights[part], distance[part] = self._closest(points[part], neighbours)
+            faces[part], weights[part], distance[part] = self._closest(points[part], neighbours, tree, fan)
             tick()
         return faces, weights, distance
 
-    def _closest(self, points, neighbours):
+    def _closest(self, points, neighbours, tree, fan):
         neighbours = min(neighbours, len(self.mesh.vertices))
-        near = np.asarray(self._tree.query(points, neighbours)[1]).reshape(len(points), -1)
-        offsets, fan = self._fan
+        near = np.asarray(tree.query(points, neighbours)[1]).reshape(len(points), -1)
+        offsets, fan = fan
         size = (offsets[near + 1] - offsets[near]).ravel()
         owner = np.repeat(np.repeat(np.arange(len(points)), neighbours), size)
         start = np.repeat(offsets[near].ravel() - (np.cumsum(size) - size), size)

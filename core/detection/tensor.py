@@ -76,8 +76,8 @@ def curvature(mesh: TriangleMesh, scale: float, *, fine: float = 0.5, tick=None)
         derivative = diffusion.smooth(derivative, fine * width, 1, tick)
     tick()
     whole = width * np.sqrt(1 + 2 * fine**2)  # of the curvatures: variances of diffusions add up
-    high_slope, low_slope = cubic(derivative, high_direction), cubic(derivative, low_direction)
-    return Curvature(high, low, high_direction, low_direction, high_slope, low_slope, points + centre, normals, whole, noise)
+    slopes = cubic(derivative, high_direction), cubic(derivative, low_direction)
+    return Curvature(high, low, high_direction, low_direction, *slopes, points + centre, normals, whole, noise)
 
 
 def _unit(vectors):

@@ -179,7 +179,8 @@ def noise(points, normals, faces):
             key = frozenset((face[a], face[b]))
             sides[key] = sides.get(key, 0) + 1
     rim = {v for key, count in sides.items() if count == 1 for v in key}
-    height = [np.dot(normals[i], points[i] - np.mean([points[j] for j in around[i]], axis=0)) for i in range(len(points))]
+    mean = [np.mean([points[j] for j in a], axis=0) for a in around]
+    height = [np.dot(normals[i], points[i] - mean[i]) for i in range(len(points))]
     left = []
     for i in range(len(points)):
         if i not in rim:
