@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial import cKDTree
 
+from benchmarks.bending import Bending
 from core.detection import DetectionParameters, FeatureCurves, TriangleMesh, detect, measure
 from core.detection.tensor import curvature
 from core.files.reading import read_surface
@@ -102,7 +103,7 @@ def _crest(name, mesh, found, exact, inner):
 
 
 def under_noise():
-    """Pieces and length per true curve of a corrugated sheet and a rounded box."""
+    """Pieces and length per true curve of a corrugated sheet."""
     print("noise in percent of the bounding box diagonal: pieces per true curve, share of the true length")
     v, f, at = surfaces.folded_sheet(110, 7, 50.0)
     for share in (0.0, 0.0005, 0.001, 0.002):
@@ -199,6 +200,7 @@ def _against(name, path):
         f"          of CGAL's length within 1 (2) edges of ours: {_covered(theirs, half, equal, h)} of the half "
         f"with the largest strength, {_covered(theirs, strong, equal, h)} of what bends more than the mean"
     )
+    _judged(mesh, theirs, half, found)
     own = found.length / h
     print(f"  default {len(own):5d} {_totals(own)}, "
           f"{(own > 25).sum()} curves over 25 edges (CGAL {(lengths > 25).sum()})")  # fmt: skip
@@ -216,14 +218,33 @@ def _of_total(mesh, total):
     for _ in range(9):
         fold = np.sqrt(low * high)
         weak = min(parameters.weak_fold, 0.4 * fold)
-        found = detect(
-            mesh, field=field, parameters=replace(parameters, strong_fold=fold, weak_fold=weak, strong_length=1)
-        )
+        tried = replace(parameters, strong_fold=fold, weak_fold=weak, strong_length=1, noise=0)
+        found = detect(mesh, field=field, parameters=tried)
         if found.length.sum() > total * mesh.edge_length:
             low = fold
         else:
             high, best = fold, found
     return best if best is not None else found, high
+
+
+def _judged(mesh, theirs, half, found):
+    """CGAL's strongest half against the defaults, where the mesh itself bears it out, and who is right elsewhere."""
+    h, bending = mesh.edge_length, Bending(mesh)
+    off, sound, gain = [], [], []
+    for kind, (code, sign) in enumerate(((CONVEX, 1), (CONCAVE, -1))):
+        lines = sampled([theirs[i][2] for i in half if theirs[i][0] == code], h / 2)
+        ours = sampled(polylines(found, kind), h / 8)
+        distance, nearest = cKDTree(ours).query(lines)
+        off.append(distance / h)
+        sound.append(bending.borne_out(lines, sign))
+        gain.append(sign * (bending(ours[nearest]) - bending(lines)))
+    off, sound, gain = (np.concatenate(x) for x in (off, sound, gain))
+    beside = (off > 1) & (off <= 2.5)
+    print(
+        f"  judged  {sound.mean():.2f} of that half is borne out by the mesh; of this {_within(off[sound])} lies "
+        f"within 1 (2) edges of the default's lines, of the whole half {_within(off)}; where ours run 1 to 2.5 edges beside "
+        f"({beside.mean():.2f}) the mesh bends more at ours on {(gain[beside] > 0).mean():.2f}"
+    )
 
 
 def _longest_prefix(lengths, order, total):
