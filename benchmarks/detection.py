@@ -242,8 +242,8 @@ def _judged(mesh, theirs, half, found):
     beside = (off > 1) & (off <= 2.5)
     print(
         f"  judged  {sound.mean():.2f} of that half is borne out by the mesh; of this {_within(off[sound])} lies "
-        f"within 1 (2) edges of the default's lines, of the whole half {_within(off)}; where ours run 1 to 2.5 edges beside "
-        f"({beside.mean():.2f}) the mesh bends more at ours on {(gain[beside] > 0).mean():.2f}"
+        f"within 1 (2) edges of the default's lines, of the whole half {_within(off)}; where ours run 1 to 2.5 edges "
+        f"beside ({beside.mean():.2f}) the mesh bends more at ours on {(gain[beside] > 0).mean():.2f}"
     )
 
 
