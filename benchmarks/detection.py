@@ -103,7 +103,7 @@ def _crest(name, mesh, found, exact, inner):
 
 
 def under_noise():
-    """Pieces and length per true curve of a corrugated sheet."""
+    """Pieces and length per true curve of a corrugated sheet and a rounded box."""
     print("noise in percent of the bounding box diagonal: pieces per true curve, share of the true length")
     v, f, at = surfaces.folded_sheet(110, 7, 50.0)
     for share in (0.0, 0.0005, 0.001, 0.002):
@@ -123,6 +123,21 @@ def under_noise():
                 f"  sheet {100 * share:5.2f}% ({relative:4.2f} edges) detail {detail}: {np.mean(pieces):5.2f} pieces, "
                 f"{np.mean(seen):.3f} of the length, {extra} curves that are none"
             )
+
+
+    # noise on the box as it is made would tear its seams
+    clean = TriangleMesh.of(*surfaces.rounded_box(48))
+    edges = surfaces.box_crests().reshape(12, -1, 3)
+    for share in (0.0, 0.0005, 0.001, 0.002):
+        mesh = TriangleMesh.of(surfaces.noisy(clean.vertices, share), clean.faces)
+        h = mesh.edge_length
+        curves = [sampled([p], h / 4) for p in polylines(detect(mesh), 0)]
+        seen = distances(edges.reshape(-1, 3), np.concatenate(curves)) < h
+        # a curve is a piece of an edge if it follows it over two edge lengths
+        pieces = [sum((distances(c, e) < h).sum() * h / 4 > 2 * h for c in curves) for e in edges]
+        relative = share * np.linalg.norm(np.ptp(clean.vertices, axis=0)) / h
+        told = f"{np.mean(pieces):5.2f} pieces, {np.mean(seen):.3f} of the length, {len(curves)} curves"
+        print(f"  box   {100 * share:5.2f}% ({relative:4.2f} edges) {told}")
 
 
 def on_the_example():

@@ -10,10 +10,17 @@ from core.detection.noise import noise_level
 from core.detection.tensor import vertex_normals
 from tests.core.detection import oracle, surfaces
 
+
+def whole(made):
+    """Its seams closed: noise would tear vertices apart that only lie in one place."""
+    mesh = TriangleMesh.of(*made)
+    return mesh.vertices, mesh.faces
+
+
 SHAPES = {
     "plane": lambda: surfaces.graph(60, lambda x, y: 0.2 * x),
     "sphere": lambda: surfaces.sphere(4),
-    "box": lambda: surfaces.rounded_box(36),
+    "box": lambda: whole(surfaces.rounded_box(36)),
     "sheet": lambda: surfaces.folded_sheet(70, 5, 50.0)[:2],
 }
 
