@@ -26,6 +26,8 @@ PARTS = {"low": (0.0, 2.9, 0.0, 2.75), "rosette": (1.1, 4.5, 4.75, 8.0)}
 PICTURES = [
     ("detail", "low", (0.3, 0.7, 1.5, 3.0)),
     ("strong_fold", "rosette", (5.0, 15.0, 40.0, 70.0)),
+    ("noise", "low", (0.0, 3.0, 5.0, 8.0)),
+    ("junction", "rosette", (0.0, 2.0, 4.0, 8.0)),
     ("bridge", "low", (0.0, 3.0, 6.0, 12.0)),
     ("gap", "low", (0.0, 5.0, 10.0, 15.0)),
     ("min_length", "rosette", (0.0, 10.0, 25.0, 60.0)),
@@ -51,7 +53,9 @@ def main(arguments) -> None:
         for axes, value in zip(row, values):
             parameters = replace(DetectionParameters(detail=1.0), **{name: value})
             if name == "strong_fold":
-                parameters = replace(parameters, weak_fold=min(parameters.weak_fold, value))
+                parameters = replace(parameters, weak_fold=min(parameters.weak_fold, value), noise=0.0)
+            if name == "noise":
+                parameters = replace(parameters, detail=0.5)
             draw(axes, detect(mesh, boundary=True, parameters=parameters), PARTS[part], f"{name} = {value:g}")
         out = folder / f"{name}.png"
         figure.savefig(out, dpi=70, pil_kwargs={"optimize": True}, metadata={"Software": None})

@@ -58,8 +58,6 @@ def detect(scan: Scan, parameters, kinds, progress=None) -> Detected:
     try:
         mesh = detection.TriangleMesh.of(scan.points, scan.triangles, progress=progress)
         found = detection.detect(mesh, parameters=parameters, progress=progress, **kinds)
-    except MemoryError:
-        raise InputError(f"{scan.name}: not enough memory for {len(scan.triangles)} faces; decimate it first") from None
     except InputError as error:
         raise InputError(f"{scan.name}: {error}") from None
     require_curves(scan.name, found, parameters)

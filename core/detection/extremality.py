@@ -56,7 +56,9 @@ def fold_angle(value: np.ndarray, width: np.ndarray, local: float) -> np.ndarray
     return np.maximum(value, 0) * np.sqrt(width**2 + (0.5 * local) ** 2) * sqrt(2 * pi)
 
 
-def crest_lines(mesh: TriangleMesh, curvature: Curvature, kind: int, least_fold: float) -> tuple[Lines, np.ndarray]:
+def crest_lines(
+    mesh: TriangleMesh, curvature: Curvature, kind: int, least_fold: float, tick=lambda: None
+) -> tuple[Lines, np.ndarray]:
     """Zero crossings of the extremality along edges, joined through faces.
 
     Along an edge the direction of one end is turned to agree with the other's, so the crossing belongs to
@@ -81,6 +83,7 @@ def crest_lines(mesh: TriangleMesh, curvature: Curvature, kind: int, least_fold:
     crossing = (slope[i] > 0) != (end > 0)
     looked_at, i, j, end = looked_at[crossing], i[crossing], j[crossing], end[crossing]
     share = np.abs(slope[i]) / (np.abs(slope[i]) + np.abs(end))
+    tick()
     point_of = np.full(len(mesh.edges), -1)
     point_of[looked_at] = np.arange(len(looked_at))
 
@@ -90,8 +93,10 @@ def crest_lines(mesh: TriangleMesh, curvature: Curvature, kind: int, least_fold:
 
     strength, other = between(field.value), between(field.other)
     faces, segments = _through_faces(point_of[mesh.face_edges], strength)
+    tick()
     maximal = np.zeros(len(i), bool)
     maximal[segments[_fall(mesh, curvature, field, faces) > _PROMINENT]] = True
+    tick()
     normals = between(curvature.normals)
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
     sound = maximal & (strength > _DOMINANT * np.abs(other))

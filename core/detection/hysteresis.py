@@ -8,7 +8,9 @@ import numpy as np
 from .chains import Chains, chains
 
 
-def clear_segments(segments: np.ndarray, points: np.ndarray, clear: np.ndarray, bridge: float) -> np.ndarray:
+def clear_segments(
+    segments: np.ndarray, points: np.ndarray, clear: np.ndarray, bridge: float, tick=lambda: None
+) -> np.ndarray:
     """Segments (k, 2) between clear points, and those of faint runs no longer than `bridge` between two clear points.
 
     Parameters
@@ -18,7 +20,10 @@ def clear_segments(segments: np.ndarray, points: np.ndarray, clear: np.ndarray, 
     clear : (p,) bool
     bridge : scene units, inclusive
     """
-    lines = starting_at(chains(segments, len(points)), clear)
+    lines = chains(segments, len(points))
+    tick()
+    lines = starting_at(lines, clear)
+    tick()
     a, b = lines.following()
     if not len(a):
         return np.zeros((0, 2), np.int64)

@@ -53,6 +53,14 @@ def weights(lines: Chains, points: np.ndarray) -> np.ndarray:
     return np.bincount(a, half, k) + np.bincount(b, half, k)
 
 
+def travelled(lines: Chains, points: np.ndarray) -> np.ndarray:
+    """(k,) float64, the length up to each entry of `lines.nodes`, rising along the array from chain to chain."""
+    along = points[lines.nodes]
+    step = np.linalg.norm(np.diff(along, axis=0, prepend=along[:1]), axis=1)
+    step[lines.offsets[:-1]] = 0
+    return np.cumsum(step)
+
+
 def tangents(lines: Chains, points: np.ndarray) -> np.ndarray:
     """(k, 3) float64, unit direction at each entry of `lines.nodes`, from the entry before to the one after."""
     a, b = lines.following()

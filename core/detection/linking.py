@@ -10,11 +10,11 @@ from scipy.spatial import cKDTree
 
 from .chains import Chains
 from .extremality import fold_angle
-from .lines import Lines
+from .lines import Lines, travelled
 from .surface import Surface
 from .tensor import Curvature
 
-_REACH = 3.0
+REACH = 3.0
 """Length in edges over which the direction of a piece at its end is taken: a single segment of a
 line traced across faces points anywhere."""
 
@@ -27,11 +27,12 @@ _NEAR = 1.0
 
 @dataclass(frozen=True)
 class Ends:
-    """The two ends of each open piece: node (e,), chain (e,), point, outward direction and normal (e, 3), length (e,)
-    of the piece. Ends 2k and 2k + 1 belong to one piece."""
+    """The two ends of each open piece: node (e,), chain (e,), place (e,) in the chains' nodes, point, outward direction
+    and normal (e, 3), length (e,) of the piece. Ends 2k and 2k + 1 belong to one piece."""
 
     node: np.ndarray
     chain: np.ndarray
+    place: np.ndarray
     point: np.ndarray
     outward: np.ndarray
     normal: np.ndarray
@@ -43,19 +44,17 @@ def piece_ends(lines: Lines, pieces: Chains, reach: float) -> Ends:
     open_ = np.flatnonzero(~pieces.closed)
     first, last = pieces.offsets[open_], pieces.offsets[open_ + 1] - 1
     points = lines.points[pieces.nodes]
-    step = np.linalg.norm(np.diff(points, axis=0, prepend=points[:1]), axis=1)
-    step[pieces.offsets[:-1]] = 0
-    travelled = np.cumsum(step)
-    length = travelled[last] - travelled[first]
-    # global arc positions rise along the array, so one search finds the node `reach` away within the piece
-    ahead = np.clip(np.searchsorted(travelled, travelled[first] + reach), first, last)
-    back = np.clip(np.searchsorted(travelled, travelled[last] - reach, side="right") - 1, first, last)
+    arc = travelled(pieces, lines.points)
+    length = arc[last] - arc[first]
+    # arc positions rise along the array, so one search finds the node `reach` away within the piece
+    ahead = np.clip(np.searchsorted(arc, arc[first] + reach), first, last)
+    back = np.clip(np.searchsorted(arc, arc[last] - reach, side="right") - 1, first, last)
     at = np.stack([first, last], axis=1).ravel()
     inner = np.stack([ahead, back], axis=1).ravel()
     outward = points[at] - points[inner]
     outward /= np.maximum(np.linalg.norm(outward, axis=1, keepdims=True), 1e-300)
     node = pieces.nodes[at]
-    return Ends(node, np.repeat(open_, 2), points[at], outward, lines.normals[node], np.repeat(length, 2))
+    return Ends(node, np.repeat(open_, 2), at, points[at], outward, lines.normals[node], np.repeat(length, 2))
 
 
 def candidate_links(ends: Ends, gap: float, turn: float, edge_length: float) -> tuple[np.ndarray, np.ndarray]:
@@ -104,7 +103,9 @@ def best_pairs(pairs: np.ndarray, cost: np.ndarray, count: int) -> np.ndarray:
     return np.concatenate(taken)
 
 
-def linked(lines: Lines, surface: Surface, curvature: Curvature, *, gap: float, turn: float) -> Lines:
+def linked(
+    lines: Lines, surface: Surface, curvature: Curvature, *, gap: float, turn: float, tick=lambda: None
+) -> Lines:
     """Lines with the gaps between pieces that continue each other bridged by points on the surface.
 
     Parameters
@@ -114,15 +115,17 @@ def linked(lines: Lines, surface: Surface, curvature: Curvature, *, gap: float, 
     """
     h = surface.mesh.edge_length
     pieces = lines.chains()
-    ends = piece_ends(lines, pieces, _REACH * h)
+    tick()
+    ends = piece_ends(lines, pieces, REACH * h)
     pairs, cost = candidate_links(ends, gap, turn, h)
     pairs = best_pairs(pairs, cost, len(ends.node))
+    tick()
     if not len(pairs):
         return lines
-    return _bridged(lines, pieces, surface, curvature, ends, pairs)
+    return _bridged(lines, pieces, surface, curvature, ends, pairs, tick)
 
 
-def _bridged(lines, pieces, surface, curvature, ends, pairs) -> Lines:
+def _bridged(lines, pieces, surface, curvature, ends, pairs, tick) -> Lines:
     """Points about every edge length along a cubic between the two ends, brought onto the surface."""
     h = surface.mesh.edge_length
     a, b = pairs.T
@@ -136,7 +139,7 @@ def _bridged(lines, pieces, surface, curvature, ends, pairs) -> Lines:
     wanted = (2 * t**3 - 3 * t**2 + 1) * p + (t**3 - 2 * t**2 + t) * m + (3 * t**2 - 2 * t**3) * q + (t**3 - t**2) * n
     mesh = surface.mesh
     if len(wanted):
-        face, weight, off = surface.closest(wanted)
+        face, weight, off = surface.closest(wanted, tick=tick)
     else:
         face, weight, off = np.zeros(0, np.int64), np.zeros((0, 3)), np.zeros(0)
     # a bridge through the air is none, and one across another line takes the wrong turn at a junction

@@ -12,7 +12,7 @@ _PARALLEL = 0.8
 """Lines beside each other are doubles of one feature below an angle of 37 degrees; crossings are steeper."""
 
 
-def without_doubles(lines: Lines, distance: float) -> Lines:
+def without_doubles(lines: Lines, distance: float, tick=lambda: None) -> Lines:
     """Of two lines that run beside each other within `distance` (scene units), the stretch of the weaker goes.
 
     Weaker is the line with the smaller integral of the fold angle over its length. Short stretches go
@@ -26,7 +26,9 @@ def without_doubles(lines: Lines, distance: float) -> Lines:
     rank = np.empty(len(pieces), np.int64)
     rank[np.argsort(total, kind="stable")] = np.arange(len(pieces))
     standing = rank[pieces.label]
+    tick()
     pairs = cKDTree(points).query_pairs(distance, output_type="ndarray")
+    tick()
     beside = np.abs(np.einsum("ij,ij->i", tangent[pairs[:, 0]], tangent[pairs[:, 1]])) >= _PARALLEL
     lower = np.where(standing[pairs[:, 0]] < standing[pairs[:, 1]], pairs[:, 0], pairs[:, 1])
     covered = np.zeros(len(points), bool)

@@ -7,9 +7,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy import sparse
 
 from ..errors import InputError
+from .blocks import parts
+from .edges import edge_table
+from .memory import room_for
+from .ordering import group_starts, order_by
 from .orientation import oriented
 
 _DEGENERATE = 1e-12
@@ -25,6 +28,8 @@ class TriangleMesh:
     faces : (m, 3) int64, counter-clockwise seen from outside
     vertex_source : (n,) int64, the first input vertex at this place
     face_source : (m,) int64, the input face (polygon) that this triangle came from
+    edges : (e, 2) int64, lower vertex first, in order
+    face_edges : (m, 3) int64, column j is the edge opposite corner j
 
     Make one with `TriangleMesh.of`; the constructor itself checks nothing.
     """
@@ -33,6 +38,8 @@ class TriangleMesh:
     faces: np.ndarray
     vertex_source: np.ndarray
     face_source: np.ndarray
+    edges: np.ndarray
+    face_edges: np.ndarray
 
     @classmethod
     def of(cls, vertices, faces, *, progress=None) -> TriangleMesh:
@@ -47,61 +54,66 @@ class TriangleMesh:
         Raises
         ------
         InputError
-            no faces, indices out of range, coordinates that are not finite, only zero-area faces.
+            no faces, indices out of range, coordinates that are not finite, only zero-area faces, too little memory
 
         Notes
         -----
         Equal points are made one vertex, polygons become fans, faces of zero area and repeated faces go,
-        neighbours are turned to agree, and closed outer shells face outwards. O(n log n).
+        neighbours are turned to agree, and closed outer shells face outwards. Near linear.
         """
-        tell = progress or (lambda stage, fraction: None)
-        tell("mesh", 0.0)
+        done = 0
+
+        def tick():
+            nonlocal done
+            done += 1
+            if progress is not None:
+                progress("mesh", done / (done + 10))
+
+        with room_for(0 if faces is None else len(faces)):
+            made = cls._cleaned(vertices, faces, tick)
+        if progress is not None:
+            progress("mesh", 1.0)
+        return made
+
+    @classmethod
+    def _cleaned(cls, vertices, faces, tick) -> TriangleMesh:
+        tick()
         vertices = _checked_vertices(vertices)
         triangles, source = triangulate(faces)
         if triangles.min() < 0 or triangles.max() >= len(vertices):
             bad = int(triangles.min() if triangles.min() < 0 else triangles.max())
             raise InputError(f"a face names vertex {bad}, but there are {len(vertices)}: the mesh is damaged")
-        used = np.unique(triangles)
+        tick()
+        used = _named(triangles, len(vertices))
         if not np.isfinite(vertices[used]).all():
             bad = int(used[~np.isfinite(vertices[used]).all(axis=1)][0])
             raise InputError(f"vertex {bad} has a coordinate that is not a finite number: remove or repair it")
-        tell("mesh", 0.2)
+        tick()
         first, position = _distinct(vertices[used])
+        tick()
         index = np.zeros(len(vertices), np.int64)
         index[used] = position
         points, faces = vertices[used[first]], index[triangles]
-        tell("mesh", 0.4)
-        keep = np.flatnonzero(_has_area(points, faces))
-        keep = keep[_first_of_each(faces[keep])]
+        tick()
+        keep = np.flatnonzero(_has_area(points, faces, tick))
+        keep = keep[_first_of_each(faces[keep], len(points), tick)]
         if not len(keep):
             raise InputError("all faces have zero area: give a mesh with a surface")
-        tell("mesh", 0.6)
-        inside, flat = np.unique(faces[keep], return_inverse=True)
-        faces = oriented(points[inside], flat.reshape(-1, 3).astype(np.int64), lambda: tell("mesh", 0.8))
-        tell("mesh", 1.0)
-        return cls(points[inside], faces, used[first][inside], source[keep])
-
-    @cached_property
-    def edges(self) -> np.ndarray:
-        """(e, 2) int64, lower vertex first, in order."""
-        return self._edge_table[0]
-
-    @cached_property
-    def face_edges(self) -> np.ndarray:
-        """(m, 3) int64, column j is the edge opposite corner j."""
-        return self._edge_table[1]
+        tick()
+        inside = _named(faces[keep], len(points))
+        index = np.zeros(len(points), np.int64)
+        index[inside] = np.arange(len(inside))
+        points, faces = points[inside], index[faces[keep]]
+        tick()
+        edges, face_edges = edge_table(faces, len(points), tick)
+        turn = oriented(points, faces, face_edges, tick)
+        faces[turn], face_edges[turn] = faces[turn][:, [0, 2, 1]], face_edges[turn][:, [0, 2, 1]]
+        return cls(points, faces, used[first][inside], source[keep], edges, face_edges)
 
     @cached_property
     def edge_faces(self) -> np.ndarray:
         """(e,) int64, number of faces at each edge: 1 on a boundary, above 2 where not manifold."""
         return np.bincount(self.face_edges.ravel(), minlength=len(self.edges))
-
-    @cached_property
-    def _edge_table(self):
-        n = len(self.vertices)
-        ends = np.sort(self.faces[:, [[1, 2], [2, 0], [0, 1]]].reshape(-1, 2), axis=1)
-        keys, inverse = np.unique(ends[:, 0] * n + ends[:, 1], return_inverse=True)
-        return np.stack([keys // n, keys % n], axis=1), inverse.reshape(-1, 3)
 
     @cached_property
     def edge_lengths(self) -> np.ndarray:
@@ -119,13 +131,6 @@ class TriangleMesh:
         mask = np.zeros(len(self.vertices), bool)
         mask[self.edges[self.edge_faces == 1]] = True
         return mask
-
-    def corner_matrix(self, weight: np.ndarray) -> sparse.csr_matrix:
-        """(n, m) sparse: `weight` (m, 3) of each face at its corners, to gather face values at vertices."""
-        m = len(self.faces)
-        return sparse.csr_matrix(
-            (weight.ravel(), (self.faces.ravel(), np.repeat(np.arange(m), 3))), (len(self.vertices), m)
-        )
 
 
 def triangulate(faces) -> tuple[np.ndarray, np.ndarray]:
@@ -166,31 +171,54 @@ def _checked_vertices(vertices) -> np.ndarray:
     return vertices
 
 
+def _named(faces, count) -> np.ndarray:
+    """The vertices out of `count` that faces name, in order."""
+    mask = np.zeros(count, bool)
+    mask[faces.ravel()] = True
+    return np.flatnonzero(mask)
+
+
 def _distinct(points):
     """First index of each distinct point in order of appearance, and (n,) the distinct point of each."""
-    order = np.lexsort(points.T)
-    new = np.ones(len(points), bool)
-    new[1:] = (points[order[1:]] != points[order[:-1]]).any(axis=1)
+    points = points + 0.0  # makes -0 and 0 the same to the bit
+    mixed = _mixed(points.view(np.uint64))
+    order = np.argsort(mixed, kind="stable")
+    new = group_starts(*points[order].T)
+    if (new & ~group_starts(mixed[order])).any():  # unequal points were mixed to the same number
+        order = np.lexsort(points.T)
+        new = group_starts(*points[order].T)
     group = np.empty(len(points), np.int64)
     group[order] = np.cumsum(new) - 1
-    first = order[new]  # lexsort is stable: the first of each group has the lowest index
-    rank = np.argsort(first)
-    place = np.empty(len(first), np.int64)
-    place[rank] = np.arange(len(first))
-    return first[rank], place[group]
+    first = order[new]  # the sort is stable: the first of each group has the lowest index
+    mask = np.zeros(len(points), bool)
+    mask[first] = True
+    place = (np.cumsum(mask) - 1)[first]
+    return np.flatnonzero(mask), place[group]
 
 
-def _has_area(points, faces) -> np.ndarray:
-    p = points[faces]
-    sides = p[:, [1, 2, 0]] - p
-    longest = (sides**2).sum(axis=2).max(axis=1)
-    return np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1) > _DEGENERATE * longest
+def _mixed(bits) -> np.ndarray:
+    """(n,) uint64 that differ, but for rare accidents, where the rows of bits (n, 3) uint64 differ."""
+    out = np.zeros(len(bits), np.uint64)
+    for column in bits.T:
+        out ^= column ^ (column >> np.uint64(32))
+        out *= np.uint64(0x9E3779B97F4A7C15)
+        out ^= out >> np.uint64(29)
+    return out
 
 
-def _first_of_each(faces) -> np.ndarray:
-    """Indices of the faces left when repeats of the same three vertices go, in order."""
-    corners = np.sort(faces, axis=1)
-    order = np.lexsort(corners.T)
-    new = np.ones(len(faces), bool)
-    new[1:] = (corners[order[1:]] != corners[order[:-1]]).any(axis=1)
-    return np.sort(order[new])
+def _has_area(points, faces, tick) -> np.ndarray:
+    out = np.empty(len(faces), bool)
+    for part in parts(len(faces)):
+        p = points[faces[part]]
+        sides = p[:, [1, 2, 0]] - p
+        longest = (sides**2).sum(axis=2).max(axis=1)
+        out[part] = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1) > _DEGENERATE * longest
+        tick()
+    return out
+
+
+def _first_of_each(faces, count, tick) -> np.ndarray:
+    """Indices of the faces left when repeats of the same three of `count` vertices go, in order."""
+    corners = np.sort(faces, axis=1).T
+    order = order_by(*corners, count=count, tick=tick)
+    return np.sort(order[group_starts(*corners[:, order])])

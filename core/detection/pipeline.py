@@ -11,8 +11,10 @@ from ..errors import InputError
 from ..values import Curves
 from .extremality import crest_lines
 from .hysteresis import clear_segments, without_faint_tails
+from .junctions import met
 from .lines import Lines, weights
 from .linking import linked
+from .memory import room_for
 from .merging import without_doubles, without_spurs
 from .mesh import TriangleMesh
 from .parameters import DetectionParameters
@@ -25,6 +27,9 @@ DEFAULTS = DetectionParameters()
 
 _ITERATIONS = 60
 """About how often smoothing calls back at the default detail; only the progress shown depends on it."""
+
+_STEPS = 15
+"""About how often the lines of one kind call back; the same holds."""
 
 
 def detect(
@@ -52,11 +57,11 @@ def detect(
     Raises
     ------
     InputError
-        a parameter out of its bounds, no kind asked for, a field of another mesh, memory ran out
+        a parameter out of its bounds, no kind asked for, a field of another mesh, too little memory
 
     Notes
     -----
-    Near linear in the number of faces, about 0.7 KB a face.
+    Near linear in the number of faces, about 0.6 KB a face.
     """
     if detail is not None:
         parameters = replace(parameters, detail=detail)
@@ -66,12 +71,10 @@ def detect(
     if field is not None and len(field.high) != len(mesh.vertices):
         raise InputError(f"the field has {len(field.high)} values for {len(mesh.vertices)} vertices: measure this mesh")
     kinds = [k for k, wanted in ((RIDGE, ridges), (VALLEY, valleys), (SHARP, sharp), (BOUNDARY, boundary)) if wanted]
-    try:
+    with room_for(len(mesh.faces)):
         if field is None:
             field = measure(mesh, parameters=parameters, progress=progress)
         return _found(mesh, field, kinds, parameters, progress)
-    except MemoryError:
-        raise InputError(f"not enough memory for {len(mesh.faces)} faces: decimate the mesh first") from None
 
 
 def _found(mesh, field, kinds, parameters, progress) -> FeatureCurves:
@@ -79,11 +82,18 @@ def _found(mesh, field, kinds, parameters, progress) -> FeatureCurves:
     found = []
     for i, kind in enumerate(kinds):
 
-        def tick(part, i=i):
+        done = 0
+
+        def tick(i=i):
+            nonlocal done
+            done += 1
             if progress is not None:
-                progress("lines", (i + part) / len(kinds))
+                progress("lines", (i + done / (done + _STEPS)) / len(kinds))
 
         found.append(_lines(kind, mesh, field, surface, parameters, tick))
+    reach, turn = parameters.junction * mesh.edge_length, np.radians(parameters.turn)
+    least = 0.5 * parameters.folds(field.noise)[1]
+    found = met(found, kinds, surface, field, reach=reach, turn=turn, fold=least, tick=tick)
     if progress is not None:
         progress("lines", 1.0)
     return _collected(found, kinds, mesh)
@@ -99,7 +109,8 @@ def measure(mesh: TriangleMesh, *, parameters: DetectionParameters = DEFAULTS, p
         progress("curvature", done / (done + _ITERATIONS / 2))
 
     parameters.validate()
-    field = curvature(mesh, parameters.detail * mesh.edge_length, tick=tick if progress is not None else None)
+    with room_for(len(mesh.faces)):
+        field = curvature(mesh, parameters.detail * mesh.edge_length, tick=tick if progress is not None else None)
     if progress is not None:
         progress("curvature", 1.0)
     return field
@@ -108,34 +119,37 @@ def measure(mesh: TriangleMesh, *, parameters: DetectionParameters = DEFAULTS, p
 def _lines(kind, mesh, field, surface, parameters, tick) -> Lines:
     """The finished lines of one kind."""
     h = mesh.edge_length
-    tick(0.0)
+    tick()
     if kind == SHARP:
         return sharp_lines(mesh, field, np.radians(parameters.sharp_angle))
     if kind == BOUNDARY:
         return boundary_lines(mesh, field)
-    weak = np.radians(parameters.weak_fold)
-    lines, sound = crest_lines(mesh, field, kind, 0.5 * weak)
-    tick(0.2)
+    strong_fold, weak = parameters.folds(field.noise)
+    lines, sound = crest_lines(mesh, field, kind, 0.5 * weak, tick)
+    tick()
     clear = sound & (lines.fold >= weak) & ~surface.near_boundary(lines.points, parameters.margin * h)
-    lines = lines.with_segments(clear_segments(lines.segments, lines.points, clear, parameters.bridge * h))
-    lines = without_doubles(lines, parameters.merge * h)
-    tick(0.4)
+    lines = lines.with_segments(clear_segments(lines.segments, lines.points, clear, parameters.bridge * h, tick))
+    tick()
+    lines = without_doubles(lines, parameters.merge * h, tick)
+    tick()
     traced = len(lines.points)
     for _ in range(2):  # what was short before the first round may be long enough for a wider gap in the second
-        lines = linked(lines, surface, field, gap=parameters.gap * h, turn=np.radians(parameters.turn))
-    tick(0.7)
-    strong = lines.fold >= np.radians(parameters.strong_fold)
+        lines = linked(lines, surface, field, gap=parameters.gap * h, turn=np.radians(parameters.turn), tick=tick)
+        tick()
+    strong = lines.fold >= strong_fold
     bridge = np.arange(len(lines.points)) >= traced
     lines = lines.with_segments(without_faint_tails(lines.segments, len(lines.points), strong & ~bridge, bridge))
+    tick()
     lines = without_spurs(lines, parameters.min_length * h)
-    return _strong(lines, parameters, h)
+    tick()
+    return _strong(lines, strong_fold, parameters, h)
 
 
-def _strong(lines: Lines, parameters: DetectionParameters, h: float) -> Lines:
+def _strong(lines: Lines, strong_fold: float, parameters: DetectionParameters, h: float) -> Lines:
     """The curves that are long enough, and strong over enough of their length."""
     pieces = lines.chains()
     share = weights(pieces, lines.points)
-    strong = lines.fold[pieces.nodes] >= np.radians(parameters.strong_fold)
+    strong = lines.fold[pieces.nodes] >= strong_fold
     strong_length = np.bincount(pieces.label, share * strong, len(pieces))
     keep = (strong_length >= parameters.strong_length * h) & (strong_length > 0)
     keep &= pieces.lengths(lines.points) >= parameters.min_length * h

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from .edges import face_pairs
 from .extremality import fold_angle
 from .lines import Lines
 from .mesh import TriangleMesh
@@ -17,15 +18,11 @@ def dihedral_angles(mesh: TriangleMesh) -> np.ndarray:
     p = mesh.vertices[mesh.faces]
     normal = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    order = np.argsort(mesh.face_edges.ravel(), kind="stable")
-    count = mesh.edge_faces
-    start = np.cumsum(count) - count
-    angle = np.where(count > 2, np.pi, 0.0)
-    two = np.flatnonzero(count == 2)
-    a, b = order[start[two]] // 3, order[start[two] + 1] // 3
+    angle = np.where(mesh.edge_faces > 2, np.pi, 0.0)
+    a, b = (at // 3 for at in face_pairs(mesh.face_edges, mesh.edge_faces))
     # atan2 keeps small angles exact, which arccos does not
     sine = np.linalg.norm(np.cross(normal[a], normal[b]), axis=1)
-    angle[two] = np.arctan2(sine, np.einsum("ij,ij->i", normal[a], normal[b]))
+    angle[mesh.edge_faces == 2] = np.arctan2(sine, np.einsum("ij,ij->i", normal[a], normal[b]))
     return angle
 
 

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
+from .blocks import gather, parts, sums
 from .mesh import TriangleMesh
 
 _COTANGENT = (0.02, 5.0)
@@ -27,36 +28,51 @@ step has to change, so the share holds far from the origin and in large scenes a
 _STEPS = 3
 """Implicit steps per diffusion: their kernel is close to a Gaussian, one alone is peaked with long tails."""
 
+_COLUMNS = 5
+"""Fields solved for at a time: side by side they share the matrix, but need more memory and longer steps."""
+
 
 @dataclass(frozen=True)
 class Diffusion:
     """Smooths vertex fields of one mesh.
 
     laplacian : (n, n) sparse, symmetric, rows sum to zero
+    diagonal : (n,) int64, where its diagonal stands in `laplacian.data`
     mass : (n,) float64, the area that belongs to each vertex
     local : (n,) float64, local edge length, scene units
     """
 
     laplacian: sparse.csr_matrix
+    diagonal: np.ndarray
     mass: np.ndarray
     local: np.ndarray
 
     @classmethod
-    def of(cls, mesh: TriangleMesh) -> Diffusion:
-        p = mesh.vertices[mesh.faces]
-        side = p[:, [2, 0, 1]] - p[:, [1, 2, 0]]  # side j is opposite corner j
-        area2 = np.linalg.norm(np.cross(side[:, 0], side[:, 1]), axis=1)
-        cot = corner_cotangents(side, 0.5 * area2)
-        weight = 0.5 * np.bincount(mesh.face_edges.ravel(), cot.ravel(), len(mesh.edges))
-        weight = np.clip(weight, *_COTANGENT)
-        n = len(mesh.vertices)
+    def of(cls, mesh: TriangleMesh, tick=lambda: None) -> Diffusion:
+        n, edges = len(mesh.vertices), len(mesh.edges)
+        weight, mass = sums(edges, 1), sums(n, 1)
+        for part in parts(len(mesh.faces)):
+            faces = mesh.faces[part]
+            p = mesh.vertices[faces]
+            side = p[:, [2, 0, 1]] - p[:, [1, 2, 0]]  # side j is opposite corner j
+            area = 0.5 * np.linalg.norm(np.cross(side[:, 0], side[:, 1]), axis=1)
+            cot = corner_cotangents(side, area)
+            gather(weight, mesh.face_edges[part].ravel(), 0.5 * cot.reshape(-1, 1))
+            gather(mass, faces.ravel(), corner_areas(side, cot, area).reshape(-1, 1))
+            tick()
+        weight = np.clip(weight[:, 0], *_COTANGENT)
         i, j = mesh.edges.T
-        adjacency = sparse.coo_matrix((np.r_[weight, weight], (np.r_[i, j], np.r_[j, i])), (n, n)).tocsr()
-        laplacian = sparse.diags(np.asarray(adjacency.sum(axis=1)).ravel()) - adjacency
-        mass = np.bincount(mesh.faces.ravel(), corner_areas(side, cot, 0.5 * area2).ravel(), n)
+        around = np.bincount(i, weight, n) + np.bincount(j, weight, n)
+        tick()
+        row, column = np.r_[i, j, np.arange(n)], np.r_[j, i, np.arange(n)]
+        laplacian = sparse.coo_matrix((np.r_[-weight, -weight, around], (row, column)), (n, n)).tocsr()
+        tick()
+        row = np.repeat(np.arange(n), np.diff(laplacian.indptr))
+        diagonal = np.flatnonzero(laplacian.indices == row)
+        tick()
         length = np.bincount(i, mesh.edge_lengths, n) + np.bincount(j, mesh.edge_lengths, n)
         local = length / (np.bincount(i, minlength=n) + np.bincount(j, minlength=n))
-        return cls(laplacian.tocsr(), mass, local)
+        return cls(laplacian, diagonal, mass[:, 0], local)
 
     def width(self, scale: float, least: float = 0.3) -> np.ndarray:
         """(n,) float64, the standard deviation used at each vertex: `scale`, or `least` local edges if longer.
@@ -75,12 +91,18 @@ class Diffusion:
             return np.array(values, np.float64)
         time = width**2 / (2 * steps)
         load = (self.mass / np.maximum(time, 1e-300))[:, None]
-        system = (self.laplacian + sparse.diags(load[:, 0])).tocsr()
-        inverse = 1 / system.diagonal()[:, None]
-        x = np.array(values, np.float64)
-        for _ in range(steps):
-            x = _conjugate_gradients(system, load * x, x, inverse, tick)
-        return x
+        system = self.laplacian.copy()
+        system.data[self.diagonal] += load[:, 0]
+        inverse = 1 / system.data[self.diagonal][:, None]
+        if tick is not None:
+            tick()
+        out = np.empty(values.shape)
+        for first in range(0, values.shape[1], _COLUMNS):
+            x = np.array(values[:, first : first + _COLUMNS], np.float64, order="C")
+            for _ in range(steps):
+                x = _conjugate_gradients(system, load * x, x, inverse, tick)
+            out[:, first : first + _COLUMNS] = x
+        return out
 
 
 def corner_areas(side: np.ndarray, cot: np.ndarray, area: np.ndarray) -> np.ndarray:
@@ -112,6 +134,8 @@ def _conjugate_gradients(system, right, x, inverse, tick):
     p = z.copy()
     rz = np.einsum("ij,ij->j", r, z)
     goal = _RESIDUAL**2 * rz.sum()
+    if tick is not None:
+        tick()
     for _ in range(200):
         if rz.sum() <= goal:
             break

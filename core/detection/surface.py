@@ -9,7 +9,9 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial import cKDTree
 
+from .blocks import parts
 from .mesh import TriangleMesh
+from .ordering import order_by
 
 
 @dataclass(frozen=True)
@@ -24,24 +26,25 @@ class Surface:
         The surface there is known from one side only, and its curvature with it.
         """
         rim = self.mesh.vertices[self.mesh.boundary_vertices]
-        if not len(rim) or not len(points):
+        if distance <= 0 or not len(rim) or not len(points):
             return np.zeros(len(points), bool)
-        return cKDTree(rim).query(points, distance_upper_bound=max(distance, 0.0))[0] < distance
+        return cKDTree(rim).query(points, distance_upper_bound=distance)[0] < distance
 
     @cached_property
     def _tree(self):
-        return cKDTree(self.mesh.vertices)
+        # cuts at the middle of the box instead of the median: built in a third of the time, scans are even enough
+        return cKDTree(self.mesh.vertices, balanced_tree=False, compact_nodes=False)
 
     @cached_property
     def _fan(self):
         """Faces at each vertex: offsets (n + 1,) and face ids."""
         flat = self.mesh.faces.ravel()
-        order = np.argsort(flat, kind="stable")
+        order = order_by(flat, count=len(self.mesh.vertices))
         offsets = np.r_[0, np.cumsum(np.bincount(flat, minlength=len(self.mesh.vertices)))]
         return offsets, order // 3
 
-    def closest(self, points: np.ndarray, neighbours: int = 6) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Closest point on the surface to each point.
+    def closest(self, points: np.ndarray, neighbours: int = 6, tick=lambda: None):
+        """Closest point on the surface to each point; `tick()` is called now and then.
 
         Returns
         -------
@@ -49,9 +52,18 @@ class Surface:
         barycentric : (k, 3) float64, weights of the face's corners
         distance : (k,) float64
         """
+        tree, fan = self._tree, self._fan
+        tick()
+        faces, weights, distance = np.zeros(len(points), np.int64), np.zeros((len(points), 3)), np.zeros(len(points))
+        for part in parts(len(points)):
+            faces[part], weights[part], distance[part] = self._closest(points[part], neighbours, tree, fan)
+            tick()
+        return faces, weights, distance
+
+    def _closest(self, points, neighbours, tree, fan):
         neighbours = min(neighbours, len(self.mesh.vertices))
-        near = np.asarray(self._tree.query(points, neighbours)[1]).reshape(len(points), -1)
-        offsets, fan = self._fan
+        near = np.asarray(tree.query(points, neighbours)[1]).reshape(len(points), -1)
+        offsets, fan = fan
         size = (offsets[near + 1] - offsets[near]).ravel()
         owner = np.repeat(np.repeat(np.arange(len(points)), neighbours), size)
         start = np.repeat(offsets[near].ravel() - (np.cumsum(size) - size), size)

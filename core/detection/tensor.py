@@ -10,14 +10,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .blocks import gather, parts, sums
 from .mesh import TriangleMesh
+from .noise import noise_fold, noise_level
 from .smoothing import Diffusion, corner_areas, corner_cotangents
 
 _TINY = 1e-300
-
-_BLOCK = 1 << 15
-"""Faces handled at a time where much is kept for each; it bounds the memory and fits the cache."""
-
 
 @dataclass(frozen=True)
 class Curvature:
@@ -28,6 +26,7 @@ class Curvature:
     high_slope, low_slope : (n,) float64, derivative of each curvature along its own direction (extremality)
     points, normals : (n, 3) float64, the smoothed surface; the normals are unit
     width : (n,) float64, standard deviation of all smoothing that the curvatures went through, scene units
+    noise : radians, the fold angle that the mesh's noise alone makes after this smoothing (noise.py)
     """
 
     high: np.ndarray
@@ -39,6 +38,7 @@ class Curvature:
     points: np.ndarray
     normals: np.ndarray
     width: np.ndarray
+    noise: float
 
     @property
     def strength(self) -> np.ndarray:
@@ -54,31 +54,30 @@ def curvature(mesh: TriangleMesh, scale: float, *, fine: float = 0.5, tick=None)
     """
     tick = tick or (lambda: None)
     tick()
-    diffusion = Diffusion.of(mesh)
+    diffusion = Diffusion.of(mesh, tick)
     tick()
     width = diffusion.width(scale)
     centre = mesh.vertices.mean(axis=0)  # keeps the digits of models far from the origin
     points = diffusion.smooth(mesh.vertices - centre, width, tick=tick)
-    normals = vertex_normals(points, mesh)
+    normals = vertex_normals(points, mesh, tick)
     if fine > 0:
         normals = _unit(diffusion.smooth(normals, fine * width, 2, tick))
     tick()
-    shape = face_shape(points, normals, mesh.faces)
-    tick()
-    tensor = vertex_tensors(face_tensors(shape, normals, mesh.faces), shape, normals, mesh)
+    noise = noise_fold(noise_level(mesh.vertices - centre, normals, mesh, tick), scale, mesh.edge_length)
+    tensor = vertex_tensors(points, normals, mesh, tick)
     if fine > 0:
         tensor = _tangential(diffusion.smooth(tensor, fine * width, 2, tick), normals)
     u, v = tangent_frames(normals)
+    tick()
     high, low, high_direction, low_direction = principal(tensor, u, v)
     tick()
-    derivative = face_derivatives(shape, tensor, mesh.faces)
-    tick()
-    derivative = vertex_derivatives(derivative, shape, mesh)
+    derivative = vertex_derivatives(points, tensor, mesh, tick)
     if fine > 0:
         derivative = diffusion.smooth(derivative, fine * width, 1, tick)
+    tick()
     whole = width * np.sqrt(1 + 2 * fine**2)  # of the curvatures: variances of diffusions add up
-    high_slope, low_slope = cubic(derivative, high_direction), cubic(derivative, low_direction)
-    return Curvature(high, low, high_direction, low_direction, high_slope, low_slope, points + centre, normals, whole)
+    slopes = cubic(derivative, high_direction), cubic(derivative, low_direction)
+    return Curvature(high, low, high_direction, low_direction, *slopes, points + centre, normals, whole, noise)
 
 
 def _unit(vectors):
@@ -86,18 +85,20 @@ def _unit(vectors):
     return np.divide(vectors, length, out=np.zeros_like(vectors), where=length > _TINY)
 
 
-def vertex_normals(points, mesh: TriangleMesh) -> np.ndarray:
+def vertex_normals(points, mesh: TriangleMesh, tick=lambda: None) -> np.ndarray:
     """(n, 3) float64, unit normals weighted by area over squared lengths of the sides, exact on a sphere [Max 1999]."""
-    p = points[mesh.faces]
-    side = p[:, [1, 2, 0]] - p
-    square = (side**2).sum(axis=2)
-    normal = np.cross(side[:, 0], side[:, 1])
-    # corner j lies between side j and side j-1
-    weight = 1 / np.maximum(square * square[:, [2, 0, 1]], _TINY)
-    n = len(points)
-    flat = mesh.faces.ravel()
-    total = [np.bincount(flat, (normal[:, None, k] * weight).ravel(), n) for k in range(3)]
-    return _unit(np.stack(total, axis=1))
+    total = sums(len(points), 3)
+    for part in parts(len(mesh.faces)):
+        faces = mesh.faces[part]
+        p = points[faces]
+        side = p[:, [1, 2, 0]] - p
+        square = (side**2).sum(axis=2)
+        normal = np.cross(side[:, 0], side[:, 1])
+        # corner j lies between side j and side j-1
+        weight = 1 / np.maximum(square * square[:, [2, 0, 1]], _TINY)
+        gather(total, faces.ravel(), (normal[:, None] * weight[:, :, None]).reshape(-1, 3))
+        tick()
+    return _unit(np.ascontiguousarray(total))
 
 
 def tangent_frames(normals) -> tuple[np.ndarray, np.ndarray]:
@@ -126,7 +127,7 @@ class FaceShape:
     weight: np.ndarray
 
 
-def face_shape(points, normals, faces) -> FaceShape:
+def face_shape(points, faces) -> FaceShape:
     """Frame of each face: u along its first side, v at right angles in its plane."""
     p = points[faces]
     side = p[:, [2, 0, 1]] - p[:, [1, 2, 0]]
@@ -159,23 +160,26 @@ def face_tensors(shape: FaceShape, normals, faces) -> np.ndarray:
     return np.stack([(ru - B * b) / A, b, (rv - B * b) / C], axis=1)
 
 
-def vertex_tensors(tensors, shape: FaceShape, normals, mesh: TriangleMesh) -> np.ndarray:
+def vertex_tensors(points, normals, mesh: TriangleMesh, tick=lambda: None) -> np.ndarray:
     """(n, 6) float64: xx, xy, xz, yy, yz, zz of the tensor at each vertex, the mean of its faces by area.
 
     Each face's tensor is first turned by the smallest rotation that takes the face's normal to the vertex's
     ([Rus04] section 3.1): projecting it would lose curvature where the surface bends.
     """
-    n = len(normals)
-    total, weight = np.zeros((n, 6)), np.zeros(n)
-    for j in range(3):
-        corner = mesh.faces[:, j]
-        target = normals[corner]
-        u, v = _rotated((shape.u, shape.v), shape.normal, target)
-        world = _symmetric(tensors, u, v) * shape.weight[:, j, None]
-        for k in range(6):
-            total[:, k] += np.bincount(corner, world[:, k], n)
-        weight += np.bincount(corner, shape.weight[:, j], n)
-    return total / np.maximum(weight, _TINY)[:, None]
+    total = sums(len(points), 7)
+    for part in parts(len(mesh.faces)):
+        faces = mesh.faces[part]
+        shape = face_shape(points, faces)
+        tensors = face_tensors(shape, normals, faces)
+        tick()
+        world = np.empty((len(faces), 3, 7))
+        for j in range(3):
+            u, v = _rotated((shape.u, shape.v), shape.normal, normals[faces[:, j]])
+            world[:, j, :6] = _symmetric(tensors, u, v) * shape.weight[:, j, None]
+        world[:, :, 6] = shape.weight
+        gather(total, faces.ravel(), world.reshape(-1, 7))
+        tick()
+    return np.ascontiguousarray(total[:, :6] / np.maximum(total[:, 6:], _TINY))
 
 
 def _rotated(vectors, start, end):
@@ -234,18 +238,8 @@ def face_derivatives(shape: FaceShape, tensor, faces) -> np.ndarray:
     """(m, 4) float64: the symmetric derivative of the tensor in each face's frame, [Rus04] section 4.
 
     Components uuu, uuv, uvv, vvv; least squares over the three sides, off-diagonal entries counted twice.
-    Done in blocks, which bounds the memory.
     """
-    out = np.empty((len(faces), 4))
-    for start in range(0, len(faces), _BLOCK):
-        part = slice(start, start + _BLOCK)
-        out[part] = _derivatives(
-            faces[part], tensor, shape.u[part], shape.v[part], shape.side_u[part], shape.side_v[part]
-        )
-    return out
-
-
-def _derivatives(faces, tensor, u, v, su, sv):
+    u, v, su, sv = shape.u, shape.v, shape.side_u, shape.side_v
     local = [_in_frame(tensor[faces[:, j]], u, v) for j in range(3)]
     matrix = np.zeros((len(faces), 4, 4))
     right = np.zeros((len(faces), 4))
@@ -270,10 +264,24 @@ _CUBIC = ((0, 0, 0), (1, 1, 1), (2, 2, 2), (0, 0, 1), (0, 0, 2), (0, 1, 1), (1, 
 _TIMES = np.array([1, 1, 1, 3, 3, 3, 3, 3, 3, 6.0])
 
 
-def vertex_derivatives(derivatives, shape: FaceShape, mesh: TriangleMesh) -> np.ndarray:
-    """(n, 10) float64: independent entries of the symmetric cubic form in world axes, the mean of the faces."""
+def vertex_derivatives(points, tensor, mesh: TriangleMesh, tick=lambda: None) -> np.ndarray:
+    """(n, 10) float64: independent entries of the symmetric cubic form in world axes, the mean of the faces by area."""
+    total = sums(len(points), 11)
+    for part in parts(len(mesh.faces)):
+        faces = mesh.faces[part]
+        shape = face_shape(points, faces)
+        world = np.ones((len(faces), 11))
+        world[:, :10] = _cubic_form(face_derivatives(shape, tensor, faces), shape.u, shape.v)
+        tick()
+        for j in range(3):
+            gather(total, faces[:, j], world * shape.weight[:, j, None])
+        tick()
+    return np.ascontiguousarray(total[:, :10] / np.maximum(total[:, 10:], _TINY))
+
+
+def _cubic_form(derivatives, u, v) -> np.ndarray:
+    """(m, 10) float64, the entries `_CUBIC` of the derivatives (m, 4) in world axes."""
     p, q, r, s = derivatives.T
-    u, v = shape.u, shape.v
     world = np.empty((len(u), 10))
     for k, (a, b, c) in enumerate(_CUBIC):
         ua, ub, uc, va, vb, vc = u[:, a], u[:, b], u[:, c], v[:, a], v[:, b], v[:, c]
@@ -283,9 +291,7 @@ def vertex_derivatives(derivatives, shape: FaceShape, mesh: TriangleMesh) -> np.
             + r * (ua * vb * vc + va * ub * vc + va * vb * uc)
             + s * va * vb * vc
         )
-    total = mesh.corner_matrix(shape.weight) @ world
-    weight = np.bincount(mesh.faces.ravel(), shape.weight.ravel(), len(mesh.vertices))
-    return total / np.maximum(weight, _TINY)[:, None]
+    return world
 
 
 def cubic(form, direction) -> np.ndarray:

@@ -167,3 +167,24 @@ def crest_segments(mesh, high, low, direction, slope, prominent, dominant, width
             k, other = value(*e)
             sound[e] = sound.get(e, False) or (maximal and k > dominant * abs(other))
     return found, sound
+
+
+def noise(points, normals, faces):
+    """Deviation of the noise along the normals: lower quartile over the inner vertices, one at a time."""
+    around, sides = [set() for _ in points], {}
+    for face in faces:
+        for a, b in ((0, 1), (1, 2), (2, 0)):
+            around[face[a]].add(face[b])
+            around[face[b]].add(face[a])
+            key = frozenset((face[a], face[b]))
+            sides[key] = sides.get(key, 0) + 1
+    rim = {v for key, count in sides.items() if count == 1 for v in key}
+    mean = [np.mean([points[j] for j in a], axis=0) for a in around]
+    height = [np.dot(normals[i], points[i] - mean[i]) for i in range(len(points))]
+    left = []
+    for i in range(len(points)):
+        if i not in rim:
+            d = len(around[i])
+            deviation = np.sqrt((1 + 1 / d) ** 2 + d * (2 / d - 2 / d**2) ** 2 + 0.02)
+            left.append(abs(height[i] - np.mean([height[j] for j in around[i]])) / deviation)
+    return np.quantile(left, 0.25) / 0.31863936396437514
