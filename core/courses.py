@@ -8,7 +8,7 @@ the other, as far as the input shows them.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -17,10 +17,17 @@ from .consolidation import pull
 from .drafts import Draft, directions
 from .network import CurveNetwork, resample_polyline, smooth_polyline, steady_polyline
 from .orbits import Orbit
+from .rigid import exponential
+from .support import slips
 
 GAP, TURN, FOLLOW, MOSTLY = 4.0, 0.85, 6.0, 0.65
 """Edge lengths and cosine within which a piece goes on as its own image, edge lengths over which a course follows the
 samples (no two cells of a real building are quite the same), and the share of a course that samples must show."""
+
+
+STRAIGHT, LEAST, HIDDEN, FEWEST = 0.9, 0.3, 0.25, 3
+"""Share of a curve that must run along a motion for it to be a piece of a course with holes, the share of a step that
+it must fill, the share of what is typical below which cells do not show a point, and fewest cells that can tell."""
 
 
 @dataclass(frozen=True)
@@ -42,23 +49,35 @@ def find_courses(network: CurveNetwork, orbit: Orbit, draft: Draft, free, *, rad
 
     Returns
     -------
-    courses : list of Course; taken : (c,) int64, the curves of the draft that they are made of
+    courses : list of Course; draft : without the curves that they are made of, and without what joins a curve of a
+        cell to that of the next one where no cell shows it, as between the sills of neighbouring windows
     """
-    courses, taken = [], []
+    courses, curves = [], list(draft.curves)
     samples = np.flatnonzero(free)
     if not len(samples):
-        return courses, np.zeros(0, np.int64)
+        return courses, draft
     tree = cKDTree(network.points[samples])
+    taken = []
     for c, (curve, ring) in enumerate(zip(draft.curves, draft.closed)):
-        axis, line = _endless(orbit, curve) if not ring else (None, curve)
+        if ring:
+            continue
+        axis, line = _endless(orbit, curve)
+        whole = axis is None
+        if whole:
+            axis, line = _slipping(orbit, curve)
         if axis is None:
             continue
+        rows = [(keys, _chain(orbit, line, keys)) for keys in _rows(draft, c, axis, orbit)]
+        part = _shown_part(network, tree, samples, rows, orbit, axis, line, radius)
+        if part is not None:
+            curves[c] = curve if whole else part
+            continue
         taken.append(c)
-        for keys in _rows(draft, c, axis, orbit):
-            path = _chain(orbit, line, keys)
+        for keys, path in rows:
             round_ = orbit.closed and len(keys) > orbit.count[axis]
             courses += _shown_parts(network, tree, samples, path, round_, len(line), radius, shortest)
-    return courses, np.array(taken, np.int64)
+    left = np.setdiff1d(np.arange(len(curves)), taken)
+    return courses, replace(draft, curves=curves).part(left)
 
 
 def _endless(orbit: Orbit, curve):
@@ -71,6 +90,42 @@ def _endless(orbit: Orbit, curve):
                 over = int(np.ceil(max(0.0, (line[-1] - start) @ end[-1])))
                 return axis, line[: max(2, len(line) - over)]
     return None, curve
+
+
+def _slipping(orbit: Orbit, curve):
+    """The generator that a curve runs along, or None, and one step of the way of its middle along it."""
+    for axis, g in enumerate(orbit.generators):
+        along = slips(g[None], np.zeros(len(curve), np.int64), curve, directions(curve))
+        step = exponential(np.linspace(0, 1, 200, endpoint=False)[:, None] * orbit.twists[axis])
+        line = step[:, :3, :3] @ curve[len(curve) // 2] + step[:, :3, 3]
+        length = np.linalg.norm(np.diff(line, axis=0), axis=1).sum()
+        if along.mean() >= STRAIGHT and LEAST * length < len(curve) < length:
+            return axis, resample_polyline(line, 1.0, False)
+    return None, curve
+
+
+def _shown_part(network, tree, samples, rows, orbit, axis, line, radius):
+    """The part of one step of a course that cells show, or None where they show all of it."""
+    if not rows:
+        return None
+    seen = [_seen(network, tree, samples, path, radius).reshape(len(keys), len(line)) for keys, path in rows]
+    # The first and the last cell of an open row are there to find out where it ends.
+    share = np.concatenate(seen if orbit.closed else [row[1:-1] for row in seen])
+    if len(share) < FEWEST:
+        return None
+    share = share.mean(axis=0)
+    hidden = share < HIDDEN * np.median(share[share > 0]) if share.any() else np.ones(len(line), bool)
+    # Longest run of what is hidden, round the end of the step.
+    turn = int(np.argmin(hidden))
+    ring = np.concatenate([[False], np.roll(hidden, -turn), [False]])
+    begin, end = np.flatnonzero(~ring[:-1] & ring[1:]), np.flatnonzero(ring[:-1] & ~ring[1:])
+    if not len(begin) or (end - begin).max() < 2 * GAP:
+        return None
+    k = int(np.argmax(end - begin))
+    g = orbit.generators[axis]
+    both = np.concatenate([line, line @ g[:3, :3].T + g[:3, 3]])
+    start = (turn + end[k]) % len(line)
+    return both[start : start + len(line) - (end[k] - begin[k])]
 
 
 def _rows(draft: Draft, curve, axis, orbit: Orbit):

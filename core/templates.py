@@ -31,9 +31,9 @@ HELD, BIT = 2.0, 0.6
 half of what an occurrence must show that is found later: there are many places where one may be found. And the
 shortest template, in multiples of l0: clutter shows a shorter one anywhere."""
 
-FEW, ROUNDS, GROWS, DEEPEST = 4, 6, 1.03, 3
+FEW, ROUNDS, GROWS, DEEPEST, COURSES = 4, 6, 1.03, 3, 3
 """Occurrences below which those found later may change the curves, rounds of looking for more of them, by what factor
-the curves must have grown for another round, and sub-lattices within each other."""
+the curves must have grown for another round, sub-lattices within each other, and rounds of looking for courses."""
 
 
 def extract_templates(network: CurveNetwork, model, votes, clusters, screen: Screen, parameters, *, progress=None):
@@ -114,10 +114,14 @@ class _Maker:
         orbit, draft = self._cells(orbit, k, step, mine, known=depth > 0)
         if not draft.curves:
             return orbit
-        draft, found = self._without_courses(orbit, draft)
-        if found:
+        for _ in range(COURSES):
+            found, draft = self._without_courses(orbit, draft)
+            if not found:
+                break
             # A course that lay on other curves when folded has bent them: without it they are made anew.
             orbit, draft = self._cells(orbit, k, step, mine, known=depth > 0)
+            if not draft.curves:
+                return orbit
         found, left = group(self.network, draft, self.free, radius=self.radius)
         found = [one for one in found if one.lengths.sum() >= BIT * self.l0]
         apart = None if depth == DEEPEST else kinds_of_cells(self.network, draft, found, radius=self.radius)
@@ -183,15 +187,16 @@ class _Maker:
         return orbit, draft
 
     def _without_courses(self, orbit, draft):
-        found, taken = find_courses(
+        """The courses of a draft, and the draft without them; their samples are free no more."""
+        found, draft = find_courses(
             self.network, orbit, draft, self.free, radius=self.radius, shortest=self.l0
-        )
+        )  # fmt: skip
         self.courses += found
         for course in found:
             shown_by = ~along(self.network, course.points, directions(course.points), self.radius)[0]
             self.free &= shown_by
             self.beside_courses &= shown_by
-        return draft.part(np.setdiff1d(np.arange(len(draft.curves)), taken)), bool(found)
+        return found, draft
 
     def _single(self, orbit: Orbit, k, step):
         """A draft of what one motion maps: its own two places, and all others where it is found."""

@@ -24,7 +24,9 @@ def draft_of(net, orbit, curves, keys, **more):
 
 def courses_of(net, orbit, draft, free=None, shortest=SHORTEST):
     free = np.ones(len(net.points), bool) if free is None else free
-    return find_courses(net, orbit, draft, free, radius=RADIUS, shortest=shortest)
+    courses, left = find_courses(net, orbit, draft, free, radius=RADIUS, shortest=shortest)
+    taken = [k for k, curve in enumerate(draft.curves) if not any(curve is c for c in left.curves)]
+    return courses, np.array(taken, np.int64)
 
 
 def broken(rng, curve, *, lost=3, pieces=4, noise=0.2):
@@ -229,3 +231,41 @@ def test_the_draft_and_the_network_stay_as_they_are(rng):
     courses_of(net, orbit, draft)
     assert all(map(np.array_equal, draft.curves, kept[0]))
     assert np.array_equal(net.points, kept[1]) and np.array_equal(orbit.twists, kept[2])
+
+
+def sills(rng, *, length, gap_shown, cells=range(6)):
+    """A row of things over sills of this length; the gaps between the sills are shown or not."""
+    line = shapes.line(int(np.linalg.norm(STEP)) + 1, [0, -20, 0], WAY)
+    curves = [c + k * STEP + [15, 0, 6] for k in cells for c in shapes.ornament(rng, 2)]
+    for k in cells:
+        curves.append((line if gap_shown else line[:length]) + k * STEP)
+    net = shapes.network([c + 0.2 * rng.normal(size=c.shape) for c in curves], smoothing=1.0)
+    orbit = shapes.orbit(net, "translation", [naive.rigid(shift=STEP)], [len(cells) - 1])
+    return net, orbit, line, np.array(cells)[:, None]
+
+
+def test_what_no_cell_shows_joins_no_sills(rng):
+    net, orbit, line, keys = sills(rng, length=18, gap_shown=False)
+    joined = shapes.to_frame(net, line)
+    draft = draft_of(net, orbit, [joined], keys)
+    courses, left = find_courses(net, orbit, draft, np.ones(len(net.points), bool), radius=RADIUS, shortest=SHORTEST)
+    assert courses == [] and len(left.curves) == 1
+    assert len(left.curves[0]) == pytest.approx(18, abs=2 * RADIUS)
+    steps = [np.linalg.matrix_power(naive.rigid(shift=STEP), k) for k in (-1, 0, 1)]
+    sill = np.concatenate([naive.moved(m, line[:18]) for m in steps])
+    away = [min(np.linalg.norm(sill - p, axis=1)) for p in net.to_world(left.curves[0])]
+    assert max(away) < 2 * RADIUS and np.mean(away) < 1
+    # Nor does a sill that was drafted as what it is change.
+    short = draft_of(net, orbit, [joined[:18]], keys)
+    courses, left = find_courses(net, orbit, short, np.ones(len(net.points), bool), radius=RADIUS, shortest=SHORTEST)
+    assert courses == [] and left.curves[0] is short.curves[0]
+
+
+def test_a_piece_whose_gap_is_shown_is_a_course(rng):
+    net, orbit, line, keys = sills(rng, length=18, gap_shown=True)
+    draft = draft_of(net, orbit, [shapes.to_frame(net, line[:18])], keys)
+    courses, taken = courses_of(net, orbit, draft)
+    (course,) = courses
+    assert taken.tolist() == [0]
+    assert naive.length(course.points) == pytest.approx(6 * np.linalg.norm(STEP), abs=2 * REACH)
+    assert course.support > 0.9
