@@ -169,3 +169,69 @@ def _mixed_and_shared(network, draft, kinds, radius):
     much, gone, rest = (np.add.reduceat(x, first, axis=1, dtype=int) for x in (shown, hidden, elsewhere))
     mixed = ((much >= STRETCH) & (rest >= STRETCH)).any(axis=0)
     return mixed, ((much >= 0.5 * size) & (gone < STRETCH)).sum(axis=0) >= 2
+
+
+UNSEEN, CLEARLY, BY_CHANCE, RAREST = 0.1, 0.6, 0.003, 0.02
+"""Share of a curve below which a cell does not show it and above which it surely does; the probability below which it
+is no chance that holes hide several curves of one cell, and the least one that a hole hides a curve."""
+
+
+def at_their_borders(network: CurveNetwork, whole: Draft, one: Draft, free, *, radius):
+    """A group whose curves end where each is seen last, as one group for each set of cells: list of Draft.
+
+    A row of seven columns has six arches. In the last cell the arches are not hidden by holes, they are not there; and
+    the first column may stand in a cell beyond that shows nothing else.
+
+    Parameters
+    ----------
+    whole : the draft with all cells of the orbit, which is not closed; one : the group
+    free : (n,) bool, samples that may show the group
+    """
+    cells = np.arange(len(one.poses))
+    keys = {tuple(key): a for a, key in enumerate(one.keys)}
+    has = np.ones(one.evidence.shape, bool)
+    hidden = max(RAREST, float((one.evidence <= UNSEEN).mean()))
+    for a in cells:
+        if any(_beyond(one.keys[a], keys)):
+            missing = (one.evidence[a] <= UNSEEN) & (one.lengths >= STRETCH)
+            if hidden ** missing.sum() < BY_CHANCE and not missing.all():
+                has[a, missing] = False
+    outside = [b for b, key in enumerate(whole.keys) if tuple(key) not in keys and any(_neighbours(key, keys))]
+    more = whole.part([], outside)
+    if outside:
+        seen = seen_share(network, one.curves, more.poses, radius=radius, free=free)
+        sure = seen >= CLEARLY
+        sure &= ((sure @ one.lengths >= TOGETHER) & (sure.sum(axis=1) >= 2))[:, None]
+        one = replace(
+            one,
+            poses=np.concatenate([one.poses, more.poses]),
+            keys=np.concatenate([one.keys, more.keys]),
+            orbital=np.concatenate([one.orbital, more.orbital]),
+            evidence=np.concatenate([one.evidence, seen]),
+        )
+        has = np.concatenate([has, sure])
+    sets, which = np.unique(has, axis=1, return_inverse=True)
+    parts = [(np.flatnonzero(which.ravel() == k), np.flatnonzero(sets[:, k])) for k in range(sets.shape[1])]
+    parts = [one.part(curves, at) for curves, at in parts if len(at) >= 2]
+    return sorted(parts, key=lambda part: -part.lengths.sum())
+
+
+TOGETHER = 25.0
+"""Length of the curves that make a cell an occurrence of them, edge lengths."""
+
+
+def _neighbours(key, keys):
+    """For each axis and direction: whether the next cell there is one of the known ones."""
+    for axis in range(len(key)):
+        for side in (-1, 1):
+            next_ = list(key)
+            next_[axis] += side
+            yield tuple(next_) in keys
+
+
+def _beyond(key, keys):
+    """For each axis and direction: whether nothing known lies further on in it."""
+    for axis in range(len(key)):
+        row = [k[axis] for k in keys if all(k[x] == key[x] for x in range(len(key)) if x != axis)]
+        yield key[axis] == min(row) and len(row) > 1
+        yield key[axis] == max(row) and len(row) > 1

@@ -169,17 +169,25 @@ def best_cut(u, weight, follows, bins=120):
         # Crossings first; of equal places the one with the most room around.
         cost = sum(np.roll(crossings, j) for j in k) / len(k) + 0.1 * sum(np.roll(near, j) for j in k) / len(k)
         low = cost <= cost.min() + 0.02 * (np.median(cost) - cost.min()) + 1e-9
-        cut[axis] = _middle_of_longest_run(low) / bins
+        places = [(begin + end - 1) / 2 % bins / bins for begin, end in _longest_runs(low)]
+        # Of places that are about equally empty the one that leaves fewest cells half empty: ab ab ab, not a ba ba b.
+        cut[axis] = max(places, key=lambda at: _fullness(u[:, axis] - at, weight))
     return cut
 
 
-def _middle_of_longest_run(low):
-    """Index of the middle of the longest run of True in a ring of flags."""
+def _fullness(u, weight):
+    """How much the weight is in few cells: the sum of squares of what each cell has."""
+    cell = np.floor(u).astype(np.int64)
+    return round(float((np.bincount(cell - cell.min(), weight) ** 2).sum() / max(weight.sum(), 1e-9) ** 2), 3)
+
+
+def _longest_runs(low, share=0.6):
+    """Runs (begin, end) of True in a ring of flags, those of at least a share of the longest, longest first."""
     turn = int(np.argmin(low)) if not low.all() else 0
     ring = np.concatenate([[False], np.roll(low, -turn), [False]])
     begin, end = np.flatnonzero(~ring[:-1] & ring[1:]), np.flatnonzero(ring[:-1] & ~ring[1:])
-    best = int(np.argmax(end - begin))
-    return ((begin[best] + end[best] - 1) // 2 + turn) % len(low)
+    order = [k for k in np.argsort(begin - end, kind="stable") if end[k] - begin[k] >= share * (end - begin).max()]
+    return [(int(begin[k]) + turn, int(end[k]) + turn) for k in order]
 
 
 def agreement(overlay: Overlay, *, radius, cosine=0.8, stretch=8, shifts=None, progress=None):

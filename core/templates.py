@@ -14,7 +14,7 @@ from .copies import unite
 from .courses import Course, find_courses
 from .drafting import consolidate, consolidate_places
 from .drafts import Draft, along, directions, explained_samples, seen_share
-from .grouping import group, kinds_of_cells
+from .grouping import at_their_borders, group, kinds_of_cells
 from .network import CurveNetwork
 from .occurrences import Pattern, Search, shown
 from .orbits import Orbit
@@ -130,6 +130,14 @@ class _Maker:
                 self._part(orbit, k, step, mine & (apart == kind), depth + 1)
             return orbit
         found = [one for one in found if len(one.poses) >= FEW or self._is_thing(one)]
+        if not orbit.closed:
+            found = [
+                part for one in found
+                for part in at_their_borders(
+                    self.network, draft, one, left | explained_samples(self.network, one, radius=self.radius),
+                    radius=self.radius,
+                )
+            ]  # fmt: skip
         most = max((len(one.poses) for one in found), default=0)
         for one in found:
             if 2 * len(one.poses) > most:

@@ -3,10 +3,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from core.grouping import group, kinds_of_cells
+from core.grouping import at_their_borders, group, kinds_of_cells
 from tests import naive
 from tests.core import shapes
 
@@ -192,3 +194,40 @@ def test_cells_of_two_kinds_are_told_apart_by_a_curve_that_they_show_in_part(see
 def test_cells_need_not_be_told_apart(rng, options):
     net, draft, groups, _ = wings(rng, **options)
     assert kinds_of_cells(net, draft, groups, radius=RADIUS) is None
+
+
+def at_borders(net, draft):
+    """The one group of a row, ended where its curves are seen last, by numbers of curves and cells."""
+    free = np.ones(len(net.points), bool)
+    found, _ = group(net, draft, free, radius=RADIUS)
+    return [parts(at_their_borders(net, draft, one, free, radius=RADIUS), draft) for one in found]
+
+
+def test_arches_end_before_the_last_column(rng):
+    columns, arches = range(7), range(6)
+    net, draft = row(rng, [columns, columns, columns, arches, arches], count=7, clutter=2)
+    expected = {(frozenset({0, 1, 2}), frozenset(columns)), (frozenset({3, 4}), frozenset(arches))}
+    assert at_borders(net, draft) == [expected]
+
+
+def test_curves_of_a_cell_that_shows_nothing_else(rng):
+    """A cell that is cut so that only a part of the thing is in it: too little for an occurrence of the whole."""
+    short, long_ = range(6), range(7)
+    net, draft = row(rng, [short] * 5 + [long_] * 2, count=7, clutter=2)
+    whole = draft.part(cells=range(7))
+    free = np.ones(len(net.points), bool)
+    one = whole.part(cells=range(6))
+    one = replace(one, evidence=np.ones((6, 7)))
+    got = parts(at_their_borders(net, whole, one, free, radius=RADIUS), draft)
+    assert got == {(frozenset(range(5)), frozenset(short)), (frozenset({5, 6}), frozenset(long_))}
+    # What others explain is no evidence.
+    gone = ~np.isin(net.source[net.curve_of], np.arange(30, 44))
+    got = parts(at_their_borders(net, whole, one, gone, radius=RADIUS), draft)
+    assert got == {(frozenset(range(7)), frozenset(short))}
+
+
+@pytest.mark.parametrize("holes", [[(1, 5, 1.0)], [(1, 2, 1.0), (2, 2, 1.0)], [(1, 5, 0.7), (2, 5, 0.7)]])
+def test_holes_end_nothing(rng, holes):
+    """One curve is hidden by chance, two in the middle of a row stay, and so does what is seen a little."""
+    net, draft = row(rng, [range(6)] * 5, holes=holes, clutter=2)
+    assert at_borders(net, draft) == [{(frozenset(range(5)), frozenset(range(6)))}]

@@ -81,6 +81,17 @@ def test_the_cut_goes_where_least_is_cut():
     assert 0.7 <= cut % 1 <= 1.0
 
 
+def test_of_two_gaps_the_one_that_leaves_whole_cells():
+    # two things a step, and as many of the one as of the other
+    for first in (0.1, 0.6):
+        parts = [np.linspace(first + k / 2, first + k / 2 + 0.3, 61) for k in range(8)]
+        u = np.concatenate(parts)[:, None]
+        follows = np.ones(len(u) - 1, bool)
+        follows[60::61] = False
+        (cut,) = best_cut(u, np.ones(len(u)), follows)
+        assert (first - cut) % 1 < 0.25, "just before the first thing"
+
+
 def naive_agreement(overlay, radius, cosine, stretch):
     """Other cells that show a sample within the radius along a stretch, one sample and one cell at a time."""
     n, cells = len(overlay.points), len(overlay.poses)
