@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """`without_wheels.py ZIP TARGET`: the extension's zip for a Blender with a Python that no bundled wheel is for.
 
-Debian builds Blender with a Python of its own, which may be newer than that of Blender's builds; scipy is Debian's there.
+Debian builds Blender with a Python of its own, which may be newer than that of Blender's builds; scipy is Debian's
+there.
 """
 
 import re

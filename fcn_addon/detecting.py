@@ -9,6 +9,7 @@ from math import degrees
 
 import bpy
 import numpy as np
+from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..core.errors import InputError
 from . import curves_object, scans, working_copy
@@ -149,7 +150,8 @@ def finish(context, task, made):
     """Put the curves into the scene; their object. Raises InputError where the scan has gone."""
     scene, source = task.scene.find(bpy.data.scenes), task.source.find(bpy.data.objects)
     if scene is None or source is None or source.name not in scene.objects:
-        raise InputError(f"object {task.label!r} has gone while its curves were detected; they are not used")
+        text = rpt_("object {name!r} has gone while its curves were detected; they are not used")
+        raise InputError(text.format(name=task.label))
     earlier = [o for o in scene.objects if task.replace and o.fcn_curves.scan == task.label and o.type == "MESH"]
     item = curves_object.make(f"{task.label} curves", made.found)
     scene.collection.objects.link(item)

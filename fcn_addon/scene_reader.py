@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import bpy
 import numpy as np
+from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..core.errors import InputError
 from ..core.files.network import Reading, concatenate, curves_of_chains, curves_of_samples
@@ -48,12 +49,14 @@ def read_surface(item, depsgraph):
     Raises InputError for other types, no faces, coordinates that are not finite.
     """
     if item.type != "MESH":
-        raise InputError(f"object {item.name!r} is of type {item.type}; choose a mesh with faces")
+        text = rpt_("object {name!r} is of type {type}; choose a mesh with faces")
+        raise InputError(text.format(name=item.name, type=item.type))
     evaluated = item.evaluated_get(depsgraph)
     mesh = evaluated.to_mesh()
     try:
         if mesh is None or not mesh.polygons:
-            raise InputError(f"object {item.name!r} has no faces; choose a scan, or complete its curves directly")
+            text = rpt_("object {name!r} has no faces; choose a scan, or complete its curves directly")
+            raise InputError(text.format(name=item.name))
         points = np.empty(3 * len(mesh.vertices), np.float32)
         mesh.vertices.foreach_get("co", points)
         mesh.calc_loop_triangles()
@@ -83,7 +86,8 @@ def read_objects(objects, depsgraph) -> SceneReading:
 
 def _read_object(item, depsgraph) -> Reading:
     if item.type not in KINDS:
-        raise InputError(f"object {item.name!r} is of type {item.type}; choose edge meshes or curve objects")
+        text = rpt_("object {name!r} is of type {type}; choose edge meshes or curve objects")
+        raise InputError(text.format(name=item.name, type=item.type))
     evaluated = item.evaluated_get(depsgraph)
     matrix = np.array(item.matrix_world if evaluated is None else evaluated.matrix_world, float)
     if evaluated.type == "CURVES":
@@ -93,14 +97,14 @@ def _read_object(item, depsgraph) -> Reading:
     mesh = evaluated.to_mesh()
     try:
         if mesh is None or not mesh.edges:
-            raise InputError(f"object {item.name!r} has no edges; choose edge meshes or curve objects")
+            text = rpt_("object {name!r} has no edges; choose edge meshes or curve objects")
+            raise InputError(text.format(name=item.name))
         if mesh.polygons:
-            remedy = (
-                "set its bevel to 0 or apply its modifiers"
-                if item.type == "CURVE"
-                else "detect its feature curves first"
-            )
-            raise InputError(f"object {item.name!r} is a surface of {len(mesh.polygons)} faces; {remedy}")
+            if item.type == "CURVE":
+                text = rpt_("object {name!r} is a surface of {faces} faces; set its bevel to 0 or apply its modifiers")
+            else:
+                text = rpt_("object {name!r} is a surface of {faces} faces; detect its feature curves first")
+            raise InputError(text.format(name=item.name, faces=len(mesh.polygons)))
         reading = _read_mesh(item.name, mesh, matrix)
         return replace(reading, edge_length=_known_edge_length(item, matrix))
     finally:
@@ -140,7 +144,7 @@ def _read_hair(name, data, matrix) -> Reading:
     """The newer curve type: points as an attribute, curves as ranges of them."""
     count = len(data.points)
     if count == 0:
-        raise InputError(f"object {name!r} has no points; choose edge meshes or curve objects")
+        raise InputError(rpt_("object {name!r} has no points; choose edge meshes or curve objects").format(name=name))
     points = np.empty(3 * count, np.float32)
     data.attributes["position"].data.foreach_get("vector", points)
     first = np.empty(len(data.curves), np.int32)
@@ -160,7 +164,8 @@ def _world(name, points, matrix) -> np.ndarray:
     points = points.reshape(-1, 3).astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
     wrong = np.flatnonzero(~np.isfinite(points).all(axis=1))
     if len(wrong):
-        raise InputError(f"object {name!r}: vertex {wrong[0]} is not finite; remove it or correct it")
+        text = rpt_("object {name!r}: vertex {vertex} is not finite; remove it or correct it")
+        raise InputError(text.format(name=name, vertex=wrong[0]))
     return points
 
 

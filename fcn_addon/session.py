@@ -10,6 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..core.errors import Cancelled, InputError
 from . import progress, results, scene_writer, sources, summary, views
@@ -142,7 +143,7 @@ def outcome(run):
         raise InputError("there is not enough memory for this; choose fewer curves or a longer edge length")
     if error is not None:
         traceback.print_exception(error)
-        raise InputError(f"a fault of the program: {error!r}; the console has the details")
+        raise InputError(rpt_("a fault of the program: {error!r}; the console has the details").format(error=error))
     return run.job.result
 
 
@@ -153,7 +154,8 @@ def finish(context, task, completion):
     """
     gone = sources.missing(task)
     if gone:
-        raise InputError(f"{gone} has gone while its curves were completed; the result is not used")
+        text = rpt_("{gone} has gone while its curves were completed; the result is not used")
+        raise InputError(text.format(gone=gone))
     scene = task.scene.find(bpy.data.scenes)
     earlier = [r for r in results.of_scene(scene) if task.replace and r.fcn_result.source == task.label]
     length = scene_writer.unit_length(scene)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import bpy
 import numpy as np
+from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..core.errors import InputError
 from ..core.files.network import Reading
@@ -161,7 +162,8 @@ def mean_edge_length(item, depsgraph) -> float:
     mesh = evaluated.to_mesh()
     try:
         if mesh is None or not mesh.edges:
-            raise InputError(f"object {item.name!r} has no edges; choose the scan that the curves come from")
+            text = rpt_("object {name!r} has no edges; choose the scan that the curves come from")
+            raise InputError(text.format(name=item.name))
         points = np.empty(3 * len(mesh.vertices), np.float32)
         mesh.vertices.foreach_get("co", points)
         edges = np.empty(2 * len(mesh.edges), np.int32)
@@ -172,7 +174,8 @@ def mean_edge_length(item, depsgraph) -> float:
     points, edges = points.reshape(-1, 3) @ turn.T, edges.reshape(-1, 2)
     mean = float(np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1).mean())
     if not (np.isfinite(mean) and mean > 0):
-        raise InputError(f"object {item.name!r} has a mean edge length of {mean:g}; choose another scan")
+        text = rpt_("object {name!r} has a mean edge length of {mean:g}; choose another scan")
+        raise InputError(text.format(name=item.name, mean=mean))
     return mean
 
 
@@ -180,9 +183,9 @@ def missing(task) -> str | None:
     """What of a task has gone from the file, in words; None if all is there."""
     scene = task.scene.find(bpy.data.scenes)
     if scene is None:
-        return f"scene {task.scene.name!r}"
+        return rpt_("scene {name!r}").format(name=task.scene.name)
     for source in task.sources:
         item = source.find(bpy.data.objects)
         if item is None or item.name not in scene.objects:
-            return f"object {source.name!r}"
+            return rpt_("object {name!r}").format(name=source.name)
     return None

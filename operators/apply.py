@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import EnumProperty
 
 from ..core.errors import InputError
@@ -43,5 +44,5 @@ class FCN_OT_apply(bpy.types.Operator):
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         selection.select(context, [item], active=item)
-        self.report({"INFO"}, f"Made {item.name!r}")
+        self.report({"INFO"}, rpt_("Made {name!r}").format(name=item.name))
         return {"FINISHED"}

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..fcn_addon import session, sources
 from ..fcn_addon.terminal import duration
@@ -35,7 +36,13 @@ class FCN_OT_complete(Background, bpy.types.Operator):
 
 def describe(result) -> str:
     """A line about a result."""
-    return (
-        f"{len(result.transformations)} transformations, {result.templates} templates at {result.occurrences}"
-        f" places, {result.strong} strong curves; {duration(result.seconds)}"
+    text = rpt_(
+        "{transformations} transformations, {templates} templates at {places} places, {strong} strong curves; {time}"
+    )
+    return text.format(
+        transformations=len(result.transformations),
+        templates=result.templates,
+        places=result.occurrences,
+        strong=result.strong,
+        time=duration(result.seconds),
     )

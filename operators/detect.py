@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..fcn_addon import detecting, scan_runs, session
 from .background import Background
@@ -28,5 +29,6 @@ class FCN_OT_detect(Background, bpy.types.Operator):
         return scan_runs.DETECT
 
     def _finished(self, item):
-        self.report({"INFO"}, f"{item.fcn_curves.total} feature curves in {item.name!r}")
+        text = rpt_("{count} feature curves in {name!r}")
+        self.report({"INFO"}, text.format(count=item.fcn_curves.total, name=item.name))
         return {"FINISHED"}

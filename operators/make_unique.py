@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..fcn_addon import selection
 
@@ -29,5 +30,5 @@ class FCN_OT_make_unique(bpy.types.Operator):
         for item in shared:
             item.data = item.data.copy()
             item["unique"] = True
-        self.report({"INFO"}, f"{len(shared)} curves are unique now")
+        self.report({"INFO"}, rpt_("{count} curves are unique now").format(count=len(shared)))
         return {"FINISHED"}

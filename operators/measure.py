@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..fcn_addon import session, sources, summary
 
@@ -26,5 +27,6 @@ class FCN_OT_measure(bpy.types.Operator):
         if isinstance(found, str):
             self.report({"ERROR"}, found)
             return {"CANCELLED"}
-        self.report({"INFO"}, f"{found.curves} curves, {found.samples} samples, {found.strong} strong curves")
+        text = rpt_("{curves} curves, {samples} samples, {strong} strong curves")
+        self.report({"INFO"}, text.format(curves=found.curves, samples=found.samples, strong=found.strong))
         return {"FINISHED"}

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..fcn_addon import selection, views
 
@@ -30,5 +31,5 @@ class FCN_OT_reject_occurrence(bpy.types.Operator):
             item["rejected"] = True
         for root in roots:
             views.refresh(root)
-        self.report({"INFO"}, f"{len(chosen)} occurrences rejected")
+        self.report({"INFO"}, rpt_("{count} occurrences rejected").format(count=len(chosen)))
         return {"FINISHED"}

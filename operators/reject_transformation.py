@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..fcn_addon import results
 
@@ -25,5 +26,6 @@ class FCN_OT_reject_transformation(bpy.types.Operator):
     def execute(self, context):
         row = results.active_transformation(context.scene)
         row.kept = not row.kept
-        self.report({"INFO"}, f"{row.name}: {'kept' if row.kept else 'rejected'}")
+        text = rpt_("Kept: {name}") if row.kept else rpt_("Rejected: {name}")
+        self.report({"INFO"}, text.format(name=row.name))
         return {"FINISHED"}

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..fcn_addon import results, selection, tracing, viewports
 
@@ -30,7 +31,7 @@ class FCN_OT_select_result(bpy.types.Operator):
         root = selection.result_of(context.scene, item)
         mesh = None if root is None else tracing.input_mesh(root)
         if mesh is None or mesh.item != item or results.child(root, "templates") is None:
-            self.report({"ERROR"}, f"{item.name!r} is not the input of a result")
+            self.report({"ERROR"}, rpt_("{name!r} is not the input of a result").format(name=item.name))
             return {"CANCELLED"}
         found = tracing.parts_of_points(root, tracing.selected_points(item.data), mesh)
         root.fcn_result.view = "RESULT"
@@ -38,5 +39,5 @@ class FCN_OT_select_result(bpy.types.Operator):
         count = selection.select(context, found, active=found[0] if found else None)
         if count:
             viewports.frame_selected(context)
-        self.report({"INFO"}, f"{count} completed curves")
+        self.report({"INFO"}, rpt_("{count} completed curves").format(count=count))
         return {"FINISHED"}

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import bpy
 import numpy as np
+from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..fcn_addon import selection, tracing, viewports
 
@@ -42,5 +43,6 @@ class FCN_OT_select_source(bpy.types.Operator):
         selection.select(context, [mesh.item], active=mesh.item)
         bpy.ops.object.mode_set(mode="EDIT")
         viewports.frame_selected(context)
-        self.report({"INFO"}, f"{len(np.unique(mesh.source[chosen]))} input curves")
+        count = len(np.unique(mesh.source[chosen]))
+        self.report({"INFO"}, rpt_("{count} input curves").format(count=count))
         return {"FINISHED"}

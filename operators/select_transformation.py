@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import IntProperty
 
 from ..fcn_addon import results, selection, viewports
@@ -30,7 +31,8 @@ class FCN_OT_select_transformation(bpy.types.Operator):
     def execute(self, context):
         result = results.active(context.scene).fcn_result
         if self.index >= len(result.transformations):
-            self.report({"ERROR"}, f"There is no row {self.index}; the list has {len(result.transformations)}")
+            text = rpt_("There is no row {row}; the list has {count}")
+            self.report({"ERROR"}, text.format(row=self.index, count=len(result.transformations)))
             return {"CANCELLED"}
         if self.index >= 0:
             result.active = self.index

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import bpy
+from bpy.app.translations import pgettext_iface as iface_
 
 from ..fcn_addon import properties, session, summary
 from ..fcn_addon.scene_writer import unit_length
@@ -65,19 +66,27 @@ def _draw_summary(box, context):
     found = summary.latest()
     if not isinstance(found, summary.Summary):
         row = box.row()
-        row.label(text=found or "Press Measure to count the curves", icon="INFO", translate=False)
+        row.label(text=found or "Press Measure to count the curves", icon="INFO")
         row.operator("fcn.measure", text="", icon="FILE_REFRESH")
         return
     column = box.column(align=True)
     row = column.row()
-    objects = "1 object" if found.objects == 1 else f"{found.objects} objects"
-    of = "the result" if found.again else objects
-    row.label(text=f"{found.curves:,} curves of {of}", icon="CURVE_DATA", translate=False)
+    if found.again:
+        text = iface_("{curves:,} curves of the result")
+    elif found.objects == 1:
+        text = iface_("{curves:,} curves of 1 object")
+    else:
+        text = iface_("{curves:,} curves of {objects:,} objects")
+    text = text.format(curves=found.curves, objects=found.objects)
+    row.label(text=text, icon="CURVE_DATA", translate=False)
     row.operator("fcn.measure", text="", icon="FILE_REFRESH", emboss=False)
     edge = unit_length(context.scene)(found.edge_length)
-    column.label(text=f"{found.samples:,} samples, edge length {edge}", icon="BLANK1", translate=False)
-    column.label(text=f"{found.strong:,} strong curves", icon="BLANK1", translate=False)
-    column.label(text=f"About {duration(found.seconds)}", icon="BLANK1", translate=False)
+    for text in (
+        iface_("{samples:,} samples, edge length {edge}").format(samples=found.samples, edge=edge),
+        iface_("{strong:,} strong curves").format(strong=found.strong),
+        iface_("About {time}").format(time=duration(found.seconds)),
+    ):
+        column.label(text=text, icon="BLANK1", translate=False)
 
 
 def _draw_run(layout, run):
@@ -85,7 +94,8 @@ def _draw_run(layout, run):
     stopping, label, fraction, left = run.shown or (False, "Starting", 0.0, 0)
     column = layout.column()
     column.label(text="Stopping…" if stopping else label, icon="TIME")
-    column.progress(factor=fraction, text=f"{fraction:.0%}   {duration(left)} left")
+    text = iface_("{share:.0%}   {time} left").format(share=fraction, time=duration(left))
+    column.progress(factor=fraction, text=text, translate=False)
     row = column.row()
     row.scale_y = 1.6
     row.enabled = not stopping
@@ -128,7 +138,8 @@ def _draw_parameters(layout, context, names):
         row.prop(group, name)
         if name in edges:
             known = isinstance(found, summary.Summary)
+            text = words(getattr(group, name) * found.edge_length) if known else iface_("edges")
             side = row.row()
             side.ui_units_x = 3
             side.active = False
-            side.label(text=words(getattr(group, name) * found.edge_length) if known else "edges", translate=False)
+            side.label(text=text, translate=False)

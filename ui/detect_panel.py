@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import bpy
+from bpy.app.translations import pgettext_iface as iface_
 
 from ..fcn_addon import detecting, detection_properties, results, session
 from .complete_panel import Sidebar
@@ -32,7 +33,8 @@ class FCN_PT_detect(Sidebar, bpy.types.Panel):
             layout.label(text="Select a scan, a mesh with faces", icon="INFO")
             return
         faces = len(scan.data.polygons)
-        layout.label(text=f"{scan.name}: {faces:,} faces", icon="MESH_DATA", translate=False)
+        text = iface_("{scan}: {faces:,} faces").format(scan=scan.name, faces=faces)
+        layout.label(text=text, icon="MESH_DATA", translate=False)
         _draw_copy(layout, settings, faces)
         layout.prop(settings, "detail")
         row = layout.row(align=True, heading="Kinds")
@@ -60,7 +62,8 @@ def _draw_copy(layout, settings, faces):
 
 def _draw_thresholds(layout, item):
     box, curves = layout.box(), item.fcn_curves
-    box.label(text=f"{curves.shown:,} of {curves.total:,} curves", icon="CURVE_DATA", translate=False)
+    text = iface_("{shown:,} of {total:,} curves").format(shown=curves.shown, total=curves.total)
+    box.label(text=text, icon="CURVE_DATA", translate=False)
     column = box.column()
     column.enabled = detecting.can_change(item)
     column.prop(curves, "fold", slider=True)

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import bpy
+from bpy.app.translations import pgettext_iface as iface_
 
 from ..fcn_addon import results, session
 from .complete_panel import Sidebar
@@ -56,8 +57,10 @@ def _draw_transformation(layout, row):
         return
     column = layout.box().column(align=True)
     column.label(text=row.name, translate=False)
-    column.label(text=f"{row.count:,} occurrences, {row.curves:,} curves", translate=False)
-    column.label(text=f"Support {row.support:.1%}, log Bayes factor {row.log_bayes_factor:,.0f}", translate=False)
+    counts = iface_("{occurrences:,} occurrences, {curves:,} curves")
+    column.label(text=counts.format(occurrences=row.count, curves=row.curves), translate=False)
+    trust = iface_("Support {support:.1%}, log Bayes factor {factor:,.0f}")
+    column.label(text=trust.format(support=row.support, factor=row.log_bayes_factor), translate=False)
     buttons = layout.row(align=True)
     buttons.operator("fcn.select_transformation", text="Select", icon="RESTRICT_SELECT_OFF").index = -1
     buttons.operator(
@@ -75,10 +78,11 @@ class FCN_PT_occurrence(Sidebar, bpy.types.Panel):
         layout.enabled = not session.running()
         item = context.active_object
         if item is not None and item.get("occurrence", -1) >= 0:
-            text = f"Template {item['template']} at {item['occurrence']}"
             if "support" in item:
-                text += f", support {item['support']:.0%}"
-            layout.label(text=text, translate=False)
+                text = iface_("Template {template} at {occurrence}, support {support:.0%}")
+            else:
+                text = iface_("Template {template} at {occurrence}")
+            layout.label(text=text.format(**item), translate=False)
         column = layout.column(align=True)
         column.operator("fcn.select_source", icon="BACK")
         column.operator("fcn.select_result", icon="FORWARD")
