@@ -175,22 +175,55 @@ def test_a_fault_while_writing_leaves_what_was(bpy, part, made, monkeypatch, whe
     assert bpy.context.scene.fcn.result == made
 
 
-@pytest.mark.parametrize("stage", ["blast", "voting", "clustering", "orbits", "selection", "completion"])
-def test_a_fault_in_a_stage_leaves_nothing(bpy, part, wall, monkeypatch, stage):
-    def breaks(task, report):
-        report(stage, 0.5)
-        raise ZeroDivisionError(stage)
+@pytest.fixture
+def waves(bpy, arcs):
+    """Four equal wavy curves and a stray one, selected: so few that the method itself takes a moment only."""
+    rows = [line.split() for line in arcs().splitlines()]
+    points = [tuple(map(float, row[1:])) for row in rows if row[0] == "v"]
+    edges = [(int(a) - 1, int(b) - 1) for row in rows if row[0] == "l" for a, b in zip(row[1:-1], row[2:])]
+    mesh = bpy.data.meshes.new("Waves")
+    mesh.from_pydata(points, edges, [])
+    item = bpy.data.objects.new("Waves", mesh)
+    bpy.context.scene.collection.objects.link(item)
+    item.select_set(True)
+    bpy.context.view_layer.update()
+    return item
 
-    session = part("fcn_addon.session")
+
+@pytest.mark.parametrize("stage", ["blast", "voting", "clustering", "orbits", "selection", "completion"])
+@pytest.mark.parametrize("kind", ["fault", "memory", "stop"])
+def test_what_goes_wrong_in_a_stage_leaves_nothing(bpy, part, waves, monkeypatch, stage, kind):
+    """In the thread, with the method itself, which is interrupted in the stage."""
+    session, errors = part("fcn_addon.session"), part("core.errors")
+    work, reached = session._work, []
+
+    def breaks(task, report):
+        def tell(name, fraction):
+            report(name, fraction)
+            if name == stage:
+                reached.append(fraction)
+                raise {"fault": ZeroDivisionError(stage), "memory": MemoryError(), "stop": errors.Cancelled()}[kind]
+
+        return work(task, tell)
+
     monkeypatch.setattr(session, "_work", breaks)
     before = count(bpy)
     run = session.begin(bpy.context)
-    assert run.job.join(5)
+    assert run.job.join(60)
     session.tick()
     session.end()
-    with pytest.raises(part("core.errors").InputError, match=f"a fault of the program.*{stage}"):
+    expected, message = {
+        "fault": (errors.InputError, f"a fault of the program.*{stage}"),
+        "memory": (errors.InputError, "not enough memory"),
+        "stop": (errors.Cancelled, None),
+    }[kind]
+    with pytest.raises(expected, match=message):
         session.outcome(run)
-    assert count(bpy) == before and not session.running()
+    assert len(reached) == 1
+    assert count(bpy) == before and not session.running() and not waves.hide_get()
+    monkeypatch.undo()
+    assert bpy.ops.fcn.complete() == {"FINISHED"}  # and the next run is as if nothing had been
+    assert bpy.context.scene.fcn.result.fcn_result.occurrences
 
 
 @pytest.fixture

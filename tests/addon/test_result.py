@@ -136,6 +136,47 @@ def test_undo_of_a_rejection(bpy, made):
     assert len(seen(bpy, root)["templates"]) == 18
 
 
+def state(bpy):
+    """All that the buttons of a result change."""
+    objects = {
+        o.name: (o.data.name if o.data else "", o.hide_viewport, bool(o.get("rejected")), bool(o.get("unique")))
+        for o in bpy.data.objects
+    }
+    roots = {
+        c.name: (c.fcn_result.view, [row.kept for row in c.fcn_result.transformations]) for c in bpy.data.collections
+    }
+    return objects, roots, {len(bpy.data.curves), len(bpy.data.meshes)}
+
+
+@pytest.mark.parametrize(
+    ("operator", "options"),
+    [
+        ("reject_occurrence", {}),
+        ("reject_transformation", {}),
+        ("restore", {}),
+        ("make_unique", {}),
+        ("apply", {"kind": "CURVE"}),
+        ("apply", {"kind": "MESH"}),
+        ("remove_result", {}),
+    ],
+)
+def test_undo_and_redo_of_each_button(bpy, made, operator, options):
+    occurrence(bpy, made, 3)
+    if operator == "restore":
+        bpy.ops.fcn.reject_transformation()
+        occurrence(bpy, made, 3)[0]["rejected"] = True
+    bpy.ops.ed.undo_push(message="before")
+    before = state(bpy)
+    assert getattr(bpy.ops.fcn, operator)("EXEC_DEFAULT", True, **options) == {"FINISHED"}
+    after = state(bpy)
+    assert after != before
+    for _ in range(2):
+        bpy.ops.ed.undo()
+        assert state(bpy) == before
+        bpy.ops.ed.redo()
+        assert state(bpy) == after
+
+
 def test_selecting_a_transformation(bpy, made):
     assert bpy.ops.fcn.select_transformation(index=0) == {"FINISHED"}
     assert set(bpy.context.selected_objects) == {o for o in parts(made) if o["occurrence"] >= 0}
