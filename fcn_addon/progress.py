@@ -35,6 +35,10 @@ class Progress:
         self._estimate = estimate
         self._began = self._at = now
 
+    def expect(self, estimate):
+        """Take in how many seconds the run is thought to take."""
+        self._estimate = estimate
+
     def update(self, stage, fraction, now):
         """Take in what a stage says; the whole never goes back."""
         order = list(self._shares)

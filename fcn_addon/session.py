@@ -25,7 +25,7 @@ class Doing:
     """What a run does.
 
     take : (context) -> the task, with arrays instead of Blender's data; raises InputError
-    seconds : (task) -> about how long it takes
+    seconds : (task) -> about how long it takes; in the thread
     work : (task, report) -> what comes out of it, in the thread
     finish : (context, task, what came out) -> what was put into the scene; raises InputError
     shares : stage -> share of the time that it takes, in the order of the stages
@@ -87,9 +87,14 @@ def begin(context, doing=None) -> Run:
         raise InputError("a run is under way; wait for it or cancel it")
     doing = doing or COMPLETE
     task = doing.take(context)
-    ahead = progress.Progress(doing.seconds(task), time.monotonic(), doing.shares)
-    work = doing.beside(task)
-    _run = Run(doing, task, Job(lambda report: doing.work(work, report)), ahead)
+    ahead = progress.Progress(0.0, time.monotonic(), doing.shares)
+    ours = doing.beside(task)
+
+    def work(report):
+        ahead.expect(doing.seconds(ours))  # that takes long enough for many curves to be felt in the window
+        return doing.work(ours, report)
+
+    _run = Run(doing, task, Job(work), ahead)
     _run.job.start()
     return _run
 

@@ -2,6 +2,7 @@
 """The button: the scene before and after, undo, what is refused, and faults."""
 
 import dataclasses
+import threading
 import time
 
 import numpy as np
@@ -266,6 +267,24 @@ def test_a_run_is_watched_and_stopped(bpy, part, slow):
     with pytest.raises(part("core.errors").Cancelled):
         session.outcome(slow)
     assert count(bpy) == before and not session.running()
+
+
+def test_the_time_is_estimated_beside_the_window(bpy, part, wall, work, monkeypatch):
+    session = part("fcn_addon.session")
+    where = []
+
+    def seconds(task):
+        where.append(threading.current_thread())
+        return 1234.0
+
+    doing = dataclasses.replace(session.COMPLETE, seconds=seconds, work=lambda task, report: 1)
+    run = session.begin(bpy.context, doing)
+    try:
+        assert run.job.join(5) and where == [run.job._thread]
+        session.tick()
+        assert 1200 < run.shown[3] <= 1234
+    finally:
+        session.end()
 
 
 def test_only_one_run_at_a_time(bpy, part, slow):
