@@ -191,8 +191,14 @@ def waves(bpy, arcs):
     return item
 
 
-@pytest.mark.parametrize("stage", ["blast", "voting", "clustering", "orbits", "selection", "completion"])
-@pytest.mark.parametrize("kind", ["fault", "memory", "stop"])
+@pytest.mark.parametrize(
+    ("stage", "kind"),
+    [
+        *((stage, "fault") for stage in ("blast", "voting", "clustering", "orbits", "selection", "completion")),
+        ("clustering", "memory"),
+        ("orbits", "stop"),
+    ],
+)
 def test_what_goes_wrong_in_a_stage_leaves_nothing(bpy, part, waves, monkeypatch, stage, kind):
     """In the thread, with the method itself, which is interrupted in the stage."""
     session, errors = part("fcn_addon.session"), part("core.errors")
