@@ -141,4 +141,5 @@ def _best(screen, motions, most, report):
 
 
 def _refined(screen, motions, rounds, report):
-    return np.concatenate([screen.refine(motions[part], rounds) for part in _slices(len(motions), report, 100)])
+    parts = [screen.refine(motions[part], rounds) for part in _slices(len(motions), report, 100)]
+    return np.concatenate([motions[:0], *parts])

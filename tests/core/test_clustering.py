@@ -9,8 +9,9 @@ import pytest
 from core.blast import feature_blast
 from core.clustering import chance_support, cluster_votes, group_motions, perturbed
 from core.errors import Cancelled
+from core.orbits import detect_orbits
 from core.support import Screen
-from core.voting import vote
+from core.voting import Votes, vote
 from tests import naive
 from tests.core import shapes
 
@@ -108,6 +109,16 @@ def test_clusters_of_no_votes_and_a_stop(rng):
 
     with pytest.raises(Cancelled):
         clusters(scene(rng, [np.eye(4), naive.rigid(shift=[50, 0, 0])]), progress=stop)
+
+
+def test_votes_that_nothing_supports(rng):
+    net = shapes.network([shapes.wiggle(rng, 60), shapes.wiggle(rng, 60) + [200, 0, 0]])
+    far = naive.rigid(naive.turn(rng.normal(size=3), 1.0), [0, 900, 0])
+    votes = Votes(np.array([far, far]), np.ones(2), np.array([[0, 1], [1, 0]]))
+    screen = Screen(net, radius=2.0)
+    clusters = cluster_votes(net, votes, screen, cluster_translation=2.0, cluster_rotation=1.5)
+    assert len(clusters) == 0 and clusters.motions.shape == (0, 4, 4) and clusters.chance == 0
+    assert detect_orbits(net, clusters, screen) == []
 
 
 def test_what_lies_beside_a_motion(rng):
