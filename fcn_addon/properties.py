@@ -67,6 +67,10 @@ def _has_faces(_, item):
     return item.type == "MESH" and len(item.data.polygons) > 0
 
 
+def _is_result_here(settings, item):
+    return item.fcn_result.is_result and item in results.of_scene(settings.id_data)
+
+
 class FCN_PG_settings(PropertyGroup):
     """What to complete and how."""
 
@@ -126,7 +130,7 @@ class FCN_PG_settings(PropertyGroup):
         type=bpy.types.Collection,
         name="Result",
         description="The result that the panel is about",
-        poll=lambda _, item: item.fcn_result.is_result,
+        poll=_is_result_here,
     )
     parameters: PointerProperty(type=FCN_PG_parameters)
     detection: PointerProperty(type=detection_properties.FCN_PG_detection)

@@ -19,7 +19,7 @@ from bpy.props import (
 )
 from bpy.types import PropertyGroup
 
-from . import views
+from . import attributes, views
 from .wording import description, titles
 
 ICONS = {
@@ -80,6 +80,12 @@ class FCN_PG_result(PropertyGroup):
         max=1.0,
         update=views.update,
     )
+    attributes: BoolProperty(
+        name="Attributes for Geometry Nodes",
+        description="Give every completed curve its support, component, template and occurrence as attributes, which "
+        "geometry nodes can use. Large results get slower",
+        update=attributes.update,
+    )
     transformations: CollectionProperty(type=FCN_PG_transformation)
     active: IntProperty(name="Transformation", description="The transformation that the buttons are about", min=0)
 
@@ -122,9 +128,14 @@ def child(root, role):
     return views.child(root, role)
 
 
-def of_scene(scene) -> list:
-    """The collections of a scene that hold results."""
+def shown_in(scene) -> list:
+    """The collections of a scene that hold results, those of linked files too."""
     return [c for c in scene.collection.children_recursive if c.fcn_result.is_result]
+
+
+def of_scene(scene) -> list:
+    """The collections of a scene that hold results which can be changed: not those of linked files."""
+    return [root for root in shown_in(scene) if root.library is None]
 
 
 def active(scene):
@@ -153,7 +164,11 @@ def source_names(root) -> list[str]:
 def remove(root):
     """Remove a result with all data that nothing else uses; what is also linked elsewhere stays."""
     tree = {root, *root.children_recursive}
-    objects = [o for o in root.all_objects if tree.issuperset(o.users_collection)]
+    remove_objects([o for o in root.all_objects if tree.issuperset(o.users_collection)], tree)
+
+
+def remove_objects(objects, collections=()):
+    """Remove objects, and collections, with all data that nothing else uses."""
     data = list(dict.fromkeys(o.data for o in objects if o.data is not None))
-    bpy.data.batch_remove([*objects, *tree])
+    bpy.data.batch_remove([*objects, *collections])
     bpy.data.batch_remove([d for d in data if d.users == 0])

@@ -145,12 +145,15 @@ class _Writer:
         holder = self._object(f"Template {template.id} at {occurrence}", None, home)
         matrix = np.array(motion, float)
         matrix[:3, 3] = moved(centre, matrix)
-        holder.matrix_world = matrix.T.tolist()  # nested sequences are columns here
+        place = matrix.T.tolist()  # nested sequences are columns here
+        holder.matrix_world = place
+        back = np.linalg.inv(matrix).T.tolist()
         holder.empty_display_size = 0.1 * max(_radius(template, centre), 1e-6)
         holder["template"], holder["occurrence"] = int(template.id), occurrence
         for (curve, data), support in zip(parts, template.evidence[occurrence].tolist()):
             part = self._object(data.name, data, home, colours.TEMPLATE)
-            part.parent = holder
+            # Each has the occurrence as its own matrix, so that it stays where it is if the empty is deleted.
+            part.parent, part.matrix_parent_inverse, part.matrix_basis = holder, back, place
             part["template"], part["occurrence"] = int(template.id), occurrence
             part["component"], part["support"] = int(curve.component), support
             if curve.component >= 0:

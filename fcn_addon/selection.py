@@ -12,8 +12,8 @@ def is_part(item) -> bool:
 
 
 def is_of_occurrence(item) -> bool:
-    """Whether an object is a curve of an occurrence or the empty that holds it."""
-    return item.get("occurrence", -1) >= 0
+    """Whether an object is a curve of an occurrence or the empty that holds it, and not of a linked file."""
+    return item.get("occurrence", -1) >= 0 and item.library is None
 
 
 def holders(objects) -> list:

@@ -64,15 +64,30 @@ def take(context, hidden=True) -> Task:
 
 @contextmanager
 def _shown(context, objects):
-    """Show the objects that are hidden in the view layer: Blender does not evaluate those."""
-    hidden = [item for item in objects if item.hide_get()]
-    for item in hidden:
-        item.hide_set(False)
+    """Show for a moment the objects that are hidden in any of Blender's ways: it does not evaluate those."""
+    hidden = [item for item in objects if not item.visible_get()]
+    if not hidden:
+        yield
+        return
+    off = [item for item in hidden if item.hide_viewport]
+    shut = [item for item in hidden if item.hide_get()]
+    home = bpy.data.collections.new("Shown")
     try:
+        context.scene.collection.children.link(home)
+        for item in hidden:
+            home.objects.link(item)
+            item.hide_viewport = False
+        context.view_layer.update()
+        for item in shut:
+            item.hide_set(False)
         yield
     finally:
-        for item in hidden:
+        for item in shut:
             item.hide_set(True)
+        for item in off:
+            item.hide_viewport = True
+        bpy.data.collections.remove(home)
+        context.view_layer.update()
 
 
 def why_not(context) -> str | None:
@@ -83,7 +98,7 @@ def why_not(context) -> str | None:
     if settings.source == "COLLECTION":
         if settings.collection is None:
             return "Choose the collection that holds the curves"
-        if not _any(settings.collection.all_objects):
+        if not _any(_of_collection(settings.collection)):
             return "The collection holds no edge mesh or curve object"
     elif not _any(_selected(context)) and not _again(context):
         return "Select curves or edge meshes"
@@ -97,6 +112,12 @@ def _selected(context) -> list:
     return [item for item in context.selected_objects if "support" not in item]
 
 
+def _of_collection(collection):
+    """The objects of a collection and of those inside it, without results that a user has put there."""
+    made = {item for root in collection.children_recursive if root.fcn_result.is_result for item in root.all_objects}
+    return [item for item in collection.all_objects if item not in made]
+
+
 def _any(objects):
     return any(scene_reader.curve_objects([item]) for item in objects)
 
@@ -105,7 +126,7 @@ def chosen(context) -> list:
     """The objects to complete, in a steady order."""
     settings = context.scene.fcn
     if settings.source == "COLLECTION":
-        objects = settings.collection.all_objects if settings.collection else ()
+        objects = _of_collection(settings.collection) if settings.collection else ()
     else:
         selected = _selected(context)
         objects = selected if _any(selected) else _again(context)

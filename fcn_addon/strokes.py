@@ -8,8 +8,12 @@ import numpy as np
 from . import results
 
 
-def collect(context):
+def collect(context, viewport=None):
     """Line segments of all result curves that are visible and not selected.
+
+    Parameters
+    ----------
+    viewport : the space whose local view counts, by default that of the context
 
     Returns
     -------
@@ -20,13 +24,13 @@ def collect(context):
     O(segments); objects that share their curve are handled together.
     """
     groups, known = {}, set()
-    for root in results.of_scene(context.scene):
+    for root in results.shown_in(context.scene):
         known.update((root.session_uid, *(c.session_uid for c in root.children_recursive)))
         for item in root.all_objects:
             known.add(item.session_uid)
             if item.type == "CURVE":
                 known.add(item.data.session_uid)
-                if item.visible_get() and not item.select_get() and item.mode == "OBJECT":
+                if item.visible_get(viewport=viewport) and not item.select_get() and item.mode == "OBJECT":
                     groups.setdefault(item.data, []).append(item)
     segments, colours = [np.zeros((0, 2, 3), np.float32)], [np.zeros((0, 4), np.float32)]
     for data, items in groups.items():

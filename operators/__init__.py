@@ -9,6 +9,7 @@ from .apply import FCN_OT_apply
 from .cancel import FCN_OT_cancel
 from .complete import FCN_OT_complete
 from .complete_scan import FCN_OT_complete_scan
+from .delete_occurrence import FCN_OT_delete_occurrence
 from .detect import FCN_OT_detect
 from .edit_template import FCN_OT_edit_template
 from .make_unique import FCN_OT_make_unique
@@ -18,6 +19,7 @@ from .reject_transformation import FCN_OT_reject_transformation
 from .remove_result import FCN_OT_remove_result
 from .restore import FCN_OT_restore
 from .save_preset import FCN_OT_save_preset
+from .select_occurrence import FCN_OT_select_occurrence
 from .select_result import FCN_OT_select_result
 from .select_source import FCN_OT_select_source
 from .select_transformation import FCN_OT_select_transformation
@@ -29,10 +31,12 @@ CLASSES = (
     FCN_OT_cancel,
     FCN_OT_measure,
     FCN_OT_select_transformation,
+    FCN_OT_select_occurrence,
     FCN_OT_select_source,
     FCN_OT_select_result,
     FCN_OT_reject_transformation,
     FCN_OT_reject_occurrence,
+    FCN_OT_delete_occurrence,
     FCN_OT_restore,
     FCN_OT_make_unique,
     FCN_OT_edit_template,

@@ -28,6 +28,7 @@ class FCN_OT_remove_result(bpy.types.Operator):
         root = results.active(context.scene)
         names = results.source_names(root)
         results.remove(root)
+        context.scene.fcn.result = results.active(context.scene)
         for name in names:
             item = context.view_layer.objects.get(name)
             if item is not None:

@@ -41,7 +41,7 @@ class FCN_PT_detect(Sidebar, bpy.types.Panel):
         row.prop(settings, "ridges", toggle=True)
         row.prop(settings, "valleys", toggle=True)
         row = layout.row(align=True, heading=" ")
-        row.prop(settings, "sharp", toggle=True)
+        row.prop(settings, "sharp", text="Sharp", toggle=True)
         row.prop(settings, "boundary", toggle=True)
         column = layout.column(align=True)
         column.scale_y = 1.3

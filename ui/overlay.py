@@ -15,24 +15,32 @@ WIDTH = 2.0  # pixels, on a screen of usual density
 NEARER = 5e-4  # of the depth of the view
 
 _handle = None
-_batch = None
-_known = set()  # session_uid of all that the batch depends on
-_scene = None  # session_uid of the scene that the batch is of
+_batches = {}  # (scene, the viewport in local view or 0) -> what is drawn there, None for nothing
+_known = set()  # session_uid of all that the batches depend on
 _stale = True
 
 
 def _draw():
-    global _batch, _known, _scene, _stale
+    global _stale
     context = bpy.context
     space = context.space_data
-    if space.local_view or not space.overlay.show_overlays:
+    if not space.overlay.show_overlays:
         return
-    if _stale or _scene != context.scene.session_uid:
-        segments, colours, _known = strokes.collect(context)
-        _scene, _stale = context.scene.session_uid, False
-        _batch = _upload(segments, colours) if len(segments) else None
-    if _batch is not None:
-        _draw_batch(_batch, WIDTH * context.preferences.system.ui_scale)
+    if _stale:
+        _batches.clear()
+        _known.clear()
+        _stale = False
+    scene, pointer = context.scene.session_uid, space.as_pointer()
+    if not space.local_view:
+        _batches.pop((scene, pointer), None)  # the next local view may be of other objects
+        pointer = 0
+    if (scene, pointer) not in _batches:
+        segments, colours, known = strokes.collect(context, space)
+        _known.update(known)
+        _batches[scene, pointer] = _upload(segments, colours) if len(segments) else None
+    batch = _batches[scene, pointer]
+    if batch is not None:
+        _draw_batch(batch, WIDTH * context.preferences.system.ui_scale)
 
 
 def _draw_batch(batch, width):
@@ -56,7 +64,7 @@ def _upload(segments, colours):
 
 @persistent
 def _after_update(scene, depsgraph):
-    """The batch is stale where something that it shows has changed; a scene changes with what is selected or hidden."""
+    """The batches are stale where something in them has changed; a scene changes with what is selected or hidden."""
     global _stale
     if not _stale:
         _stale = any(
@@ -89,7 +97,7 @@ def register():
 
 
 def unregister():
-    global _handle, _batch, _known
+    global _handle
     if _handle is None:
         return
     bpy.types.SpaceView3D.draw_handler_remove(_handle, "WINDOW")
@@ -97,4 +105,6 @@ def unregister():
         kept = getattr(bpy.app.handlers, name)
         if function in kept:
             kept.remove(function)
-    _handle, _batch, _known = None, None, set()
+    _handle = None
+    _batches.clear()
+    _known.clear()

@@ -39,7 +39,7 @@ class FCN_PT_result(Sidebar, bpy.types.Panel):
         root = results.active(context.scene)
         result = root.fcn_result
         row = layout.row(align=True)
-        row.prop(context.scene.fcn, "result", text="")
+        row.prop(context.scene.fcn, "result", text="", placeholder=root.name)  # without a choice it is the latest
         row.operator("fcn.remove_result", text="", icon="TRASH")
         views = layout.grid_flow(row_major=True, columns=2, even_columns=True, align=True)
         for view in ("RESULT", "COMPONENTS", "TEMPLATES", "INPUT"):
@@ -48,6 +48,7 @@ class FCN_PT_result(Sidebar, bpy.types.Panel):
         layout.template_list(FCN_UL_transformations.bl_idname, "", result, "transformations", result, "active", rows=4)
         _draw_transformation(layout, results.active_transformation(context.scene))
         layout.operator_menu_enum("fcn.apply", "kind", icon="OUTLINER_OB_CURVE")
+        layout.prop(result, "attributes")
 
 
 def _draw_transformation(layout, row):
@@ -84,10 +85,13 @@ class FCN_PT_occurrence(Sidebar, bpy.types.Panel):
                 text = iface_("Template {template} at {occurrence}")
             layout.label(text=text.format(**item), translate=False)
         column = layout.column(align=True)
+        column.operator("fcn.select_occurrence", icon="RESTRICT_SELECT_OFF")
         column.operator("fcn.select_source", icon="BACK")
         column.operator("fcn.select_result", icon="FORWARD")
         column = layout.column(align=True)
         editing = context.mode != "OBJECT"
         column.operator("fcn.edit_template", text="Finish Editing" if editing else "Edit Template", icon="EDITMODE_HLT")
         column.operator("fcn.make_unique", icon="UNLINKED")
+        column = layout.column(align=True)
         column.operator("fcn.reject_occurrence", icon="X")
+        column.operator("fcn.delete_occurrence", icon="TRASH")

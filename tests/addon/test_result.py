@@ -419,10 +419,15 @@ def test_the_strokes_that_are_drawn(bpy, part, made):
 def test_every_property_and_operator_has_words(bpy, part):
     group = type(bpy.context.scene.fcn.parameters).bl_rna
     detection = type(bpy.context.scene.fcn.detection).bl_rna
+    results = part("fcn_addon.results")
+    shown = {"kept", "view", "support", "attributes"}  # the rest of a result is not shown as buttons
     for owner in (group, detection, type(bpy.context.scene.fcn).bl_rna):
         for prop in owner.properties:
             if prop.identifier not in {"rna_type", "name", "parameters", "detection"}:
                 assert prop.name and prop.description, prop.identifier
+    for owner in (results.FCN_PG_result.bl_rna, results.FCN_PG_transformation.bl_rna):
+        found = [prop for prop in owner.properties if prop.identifier in shown]
+        assert found and all(prop.name and prop.description for prop in found)
     for name in dir(bpy.ops.fcn):
         kind = getattr(bpy.ops.fcn, name).get_rna_type()
         assert kind.name and kind.description and kind.description != "(undocumented operator)", name
