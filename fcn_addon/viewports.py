@@ -32,11 +32,9 @@ def is_over_viewport(context, event) -> bool:
 
 
 def show_object_colours(context):
-    """Let the viewports draw wires in the colours of their objects."""
+    """Let the viewports draw wires in the colours of their objects; surfaces keep theirs."""
     for _, area in areas(context):
-        shading = area.spaces.active.shading
-        shading.wireframe_color_type = "OBJECT"
-        shading.color_type = "OBJECT"
+        area.spaces.active.shading.wireframe_color_type = "OBJECT"
 
 
 def frame_selected(context):
@@ -59,4 +57,4 @@ def isolate(context, alone):
         return
     region = next(r for r in area.regions if r.type == "WINDOW")
     with context.temp_override(area=area, region=region):
-        bpy.ops.view3d.localview(frame_selected=alone)
+        bpy.ops.view3d.localview(frame_selected=True)  # on the way back this is: where the view was before

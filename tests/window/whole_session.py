@@ -128,6 +128,25 @@ def result_session(driver):
     yield from correct(driver, chosen[0], size)
 
 
+def local_view(driver, item):
+    """Into the local view of what is selected and back; there its curves are seen in their colours too."""
+    chosen = bpy.context.selected_objects
+    overlay = sys.modules[f"{EXTENSION}.ui.overlay"]
+    with driver.context():
+        bpy.ops.view3d.localview()
+    for other in chosen:
+        other.select_set(False)
+    yield 0.5
+    driver.picture("8-local-view")
+    assert overlay._batches[bpy.context.scene.session_uid, driver.area.spaces.active.as_pointer()] is not None
+    with driver.context():
+        bpy.ops.view3d.localview()
+    for other in chosen:
+        other.select_set(True)
+    bpy.context.view_layer.objects.active = item
+    yield 0.3
+
+
 def correct(driver, item, size):
     """Selecting the source, editing and rejecting, with the operators that the buttons call."""
     space = driver.area.spaces.active
@@ -143,13 +162,19 @@ def correct(driver, item, size):
     press("select_result")
     yield 0.3
     assert bpy.context.mode == "OBJECT" and item.select_get()
+    distance = space.region_3d.view_distance
     press("edit_template")
     yield 0.5
     assert bpy.context.mode == "EDIT_CURVE" and space.local_view
+    assert space.region_3d.view_distance < 0.9 * distance
     driver.picture("8-edit-template")
     press("edit_template")
     yield 0.3
     assert bpy.context.mode == "OBJECT" and not space.local_view
+    assert abs(space.region_3d.view_distance - distance) < 0.01 * distance
+    press("select_occurrence")
+    assert {item, item.parent} < set(bpy.context.selected_objects)
+    yield from local_view(driver, item)
     press("reject_occurrence")
     yield 0.3
     assert not item.visible_get()
