@@ -162,6 +162,9 @@ def correct(driver, item, size):
     press("select_result")
     yield 0.3
     assert bpy.context.mode == "OBJECT" and item.select_get()
+    with driver.context():
+        bpy.ops.view3d.view_all()
+    yield 0.3
     distance = space.region_3d.view_distance
     press("edit_template")
     yield 0.5
