@@ -196,9 +196,7 @@ class _Maker:
 
     def _without_courses(self, orbit, draft):
         """The courses of a draft, and the draft without them; their samples are free no more."""
-        found, draft = find_courses(
-            self.network, orbit, draft, self.free, radius=self.radius, shortest=self.l0
-        )  # fmt: skip
+        found, draft = find_courses(self.network, orbit, draft, self.free, radius=self.radius, shortest=self.l0)
         self.courses += found
         for course in found:
             shown_by = ~along(self.network, course.points, directions(course.points), self.radius)[0]

@@ -7,23 +7,15 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..fcn_addon import results, selection
+from .on_occurrence import OnOccurrence
 
 
-class FCN_OT_delete_occurrence(bpy.types.Operator):
+class FCN_OT_delete_occurrence(OnOccurrence, bpy.types.Operator):
     """Delete the occurrences that the selected curves belong to, whole. To be able to take them back in, reject them"""
 
     bl_idname = "fcn.delete_occurrence"
     bl_label = "Delete Occurrence"
     bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context):
-        why = "Leave the edit mode first" if context.mode != "OBJECT" else None
-        if why is None and not any(map(selection.is_of_occurrence, context.selected_objects)):
-            why = "Select a curve of an occurrence"
-        if why:
-            cls.poll_message_set(why)
-        return not why
 
     def execute(self, context):
         chosen = list(context.selected_objects)

@@ -7,23 +7,15 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..fcn_addon import selection
+from .on_occurrence import OnOccurrence
 
 
-class FCN_OT_make_unique(bpy.types.Operator):
+class FCN_OT_make_unique(OnOccurrence, bpy.types.Operator):
     """Give the selected occurrences curves of their own, which no longer follow the template"""
 
     bl_idname = "fcn.make_unique"
     bl_label = "Make Unique"
     bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context):
-        why = "Leave the edit mode first" if context.mode != "OBJECT" else None
-        if why is None and not any(map(selection.is_of_occurrence, context.selected_objects)):
-            why = "Select a curve of an occurrence"
-        if why:
-            cls.poll_message_set(why)
-        return not why
 
     def execute(self, context):
         shared = [item for item in selection.parts(context.selected_objects) if item.data.users > 1]

@@ -7,23 +7,15 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..fcn_addon import selection
+from .on_occurrence import OnOccurrence
 
 
-class FCN_OT_select_occurrence(bpy.types.Operator):
+class FCN_OT_select_occurrence(OnOccurrence, bpy.types.Operator):
     """Select all curves of the selected occurrences and the empties that hold them, to move or hide them as one"""
 
     bl_idname = "fcn.select_occurrence"
     bl_label = "Select Whole"
     bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context):
-        why = "Leave the edit mode first" if context.mode != "OBJECT" else None
-        if why is None and not any(map(selection.is_of_occurrence, context.selected_objects)):
-            why = "Select a curve of an occurrence"
-        if why:
-            cls.poll_message_set(why)
-        return not why
 
     def execute(self, context):
         chosen = list(context.selected_objects)

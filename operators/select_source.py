@@ -8,23 +8,15 @@ import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..fcn_addon import selection, tracing, viewports
+from .on_occurrence import OnOccurrence
 
 
-class FCN_OT_select_source(bpy.types.Operator):
+class FCN_OT_select_source(OnOccurrence, bpy.types.Operator):
     """Show the input, and select in it the curves that the selected occurrences were made of"""
 
     bl_idname = "fcn.select_source"
     bl_label = "Select Source Curves"
     bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context):
-        why = "Leave the edit mode first" if context.mode != "OBJECT" else None
-        if why is None and not any(map(selection.is_of_occurrence, context.selected_objects)):
-            why = "Select a curve of an occurrence"
-        if why:
-            cls.poll_message_set(why)
-        return not why
 
     def execute(self, context):
         parts = selection.parts(context.selected_objects)
