@@ -12,7 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.cluster.hierarchy import fcluster, linkage
-from scipy.spatial.distance import pdist
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial.distance import pdist, squareform
 
 from .network import CurveNetwork
 from .rigid import exponential, inverse, screw_velocity
@@ -95,7 +97,16 @@ def group_motions(motions, translation, rotation):
     r = motions[:, :3, :3].reshape(-1, 9)
     # |R1 - R2| = 2 sqrt(2) sin(angle / 2) in the Frobenius norm.
     angle = pdist(r) / (2 * np.sqrt(2) * np.sin(np.radians(rotation) / 2))
-    return fcluster(linkage(np.maximum(angle, pdist(motions[:, :3, 3]) / translation), "complete"), 1.0, "distance")
+    gap = squareform(np.maximum(angle, pdist(motions[:, :3, 3]) / translation))
+    # Clusters do not reach from one island of near motions to another, and scipy holds the GIL for each linkage.
+    count, island = connected_components(coo_matrix(gap <= 1.0), directed=False)
+    members = np.split(np.argsort(island, kind="stable"), np.cumsum(np.bincount(island))[:-1])
+    labels = np.zeros(len(motions), np.int64)
+    for own in members:
+        if len(own) > 1:
+            tree = linkage(squareform(gap[np.ix_(own, own)], checks=False), "complete")
+            labels[own] = fcluster(tree, 1.0, "distance") - 1
+    return labels * count + island
 
 
 def chance_support(screen: Screen, motions, *, tries=4, seed=0):

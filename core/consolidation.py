@@ -17,6 +17,7 @@ from scipy.spatial import cKDTree
 
 from .linking import bend_of_ends, continuations, join_paths, split_at_corners
 from .network import resample_polyline, smooth_polyline
+from .rows import distinct_rows
 from .traversal import find_passages, part_shared, split_where_none_pass
 
 SPACING, LINK, SHORTEST = 0.7, 2.6, 5.0
@@ -104,8 +105,7 @@ def tree_nearest(line, points):
 def _spread(points, spacing):
     """One point a voxel of the given size, the one nearest to the mean of the voxel's points."""
     key = np.floor(points / spacing).astype(np.int64)
-    _, cell = np.unique(key, axis=0, return_inverse=True)
-    cell = cell.ravel()
+    _, _, cell = distinct_rows(key)
     count = np.bincount(cell)
     mean = np.stack([np.bincount(cell, points[:, c]) for c in range(3)], 1) / count[:, None]
     distance = ((points - mean[cell]) ** 2).sum(1)
@@ -160,7 +160,7 @@ def _junctions(points, graph, tree, *, inner=2.2, outer=4.0):
     ring = reached & (((points[node] - points[centre]) ** 2).sum(1) > inner**2)
     both = ring[a] & ring[b]
     arm = _parts_of(len(key), a[both], b[both])[ring]
-    arms = np.unique(np.stack([centre[ring], arm], axis=1), axis=0)[:, 0]
+    arms = distinct_rows(np.stack([centre[ring], arm], axis=1))[0][:, 0]
     return np.bincount(arms, minlength=n) >= 3
 
 

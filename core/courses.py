@@ -18,6 +18,7 @@ from .drafts import Draft, directions
 from .network import CurveNetwork, resample_polyline, smooth_polyline, steady_polyline
 from .orbits import Orbit
 from .rigid import exponential
+from .rows import distinct_rows
 from .support import slips
 
 GAP, TURN, FOLLOW, MOSTLY = 4.0, 0.85, 6.0, 0.65
@@ -131,7 +132,7 @@ def _shown_part(network, tree, samples, rows, orbit, axis, line, radius):
 def _rows(draft: Draft, curve, axis, orbit: Orbit):
     """Keys (k, g) of each row of cells along an axis that shows the curve, one cell more at either end."""
     seen = draft.keys[draft.orbital & (draft.evidence[:, curve] > 0.3)]
-    for other in np.unique(np.delete(seen, axis, axis=1), axis=0):
+    for other in distinct_rows(np.delete(seen, axis, axis=1))[0]:
         mine = seen[(np.delete(seen, axis, axis=1) == other).all(axis=1)][:, axis]
         if orbit.closed:
             steps = np.arange(orbit.count[axis] + 1)

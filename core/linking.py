@@ -6,6 +6,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
+from .rows import distinct_rows
+
 
 def join_paths(paths, *, gap=6.0, angle=35.0, most=np.inf, passed=None, parted=None, forced=()):
     """Join open paths end to end.
@@ -39,9 +41,9 @@ def linked_paths(paths, *, gap=6.0, angle=35.0, most=np.inf, passed=None, parted
         return []
     arm = ARM if arm is None else arm
     tip = np.concatenate([[p[0], p[-1]] for p in paths])
-    bends = arm <= ARM
-    way = np.concatenate([[_outward(p, arm, bends), _outward(p[::-1], arm, bends)] for p in paths])
+    curved = arm <= ARM
     arms = [part for p in paths for part in (p[:arm], p[::-1][:arm])]
+    way = _outward(arms, curved)
     partner = match_ends(tip, way, arms, [len(p) for p in paths], gap, angle, most, passed, parted, forced)
     out, used = [], np.zeros(len(paths), bool)
     for i in range(len(paths)):
@@ -54,20 +56,40 @@ def linked_paths(paths, *, gap=6.0, angle=35.0, most=np.inf, passed=None, parted
     return out
 
 
-def _outward(path, length=None, bends=True):
-    """Direction in which a path leaves through its first point.
+def _outward(arms, curved=True):
+    """(e, 3) float64, unit directions in which paths leave through their ends.
 
-    The slope there of a parabola through the arm, or where noise would decide on that, of a straight line.
+    arms : e arrays (k, 3), samples from each end inwards. The direction is the slope at the end of a parabola through
+    the arm or, where noise would decide on that, of a straight line.
     """
-    length = ARM if length is None else length
-    arm = path[:length]
-    s = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(arm, axis=0), axis=1))])
-    if len(arm) < 4 or s[-1] <= 0:
-        v = path[0] - path[min(len(path) - 1, length)]
-    else:
-        basis = np.stack([np.ones_like(s), s, s * s][: 3 if bends else 2], axis=1)
-        v = -np.linalg.lstsq(basis, arm, rcond=None)[0][1]
-    return v / max(np.linalg.norm(v), 1e-12)
+    way = np.array([arm[0] - arm[-1] for arm in arms]).reshape(-1, 3)
+    for own, lines in _of_one_length(arms, 4):
+        s = _travelled(lines)
+        own, s, lines = own[s[:, -1] > 0], s[s[:, -1] > 0], lines[s[:, -1] > 0]
+        way[own] = -_fitted(s, lines, 2 if curved else 1)[1][:, 1]
+    return way / np.maximum(np.linalg.norm(way, axis=1), 1e-12)[:, None]
+
+
+def _of_one_length(lines, least=0):
+    """Arrays (k, 3) of a list as stacks (m, k, 3) of those of one length, with their indices (m,)."""
+    size = np.array([len(line) for line in lines], np.int64)
+    for length in np.unique(size[size >= least]):
+        own = np.flatnonzero(size == length)
+        yield own, np.stack([lines[i] for i in own])
+
+
+def _travelled(lines):
+    """(m, k) float64, distance along each of (m, k, 3) lines from its start."""
+    step = np.linalg.norm(np.diff(lines, axis=1), axis=2)
+    return np.concatenate([np.zeros((len(lines), 1)), np.cumsum(step, axis=1)], axis=1)
+
+
+def _fitted(s, lines, degree):
+    """Least squares polynomials through lines (m, k, 3) at the parameters (m, k): their values (m, k, 3) and their
+    coefficients (m, degree + 1, 3). All at once: small steps with LAPACK in each leave a window no time."""
+    basis = s[:, :, None] ** np.arange(degree + 1)
+    coefficients = np.linalg.pinv(basis) @ lines
+    return basis @ coefficients, coefficients
 
 
 def match_ends(tip, way, arms, size, gap, angle, most=np.inf, passed=None, parted=None, forced=()):
@@ -82,7 +104,7 @@ def match_ends(tip, way, arms, size, gap, angle, most=np.inf, passed=None, parte
     if passed is not None:
         known = np.argwhere(np.triu(passed >= PASSED))
         known = known[np.linalg.norm(tip[known[:, 0]] - tip[known[:, 1]], axis=1) < FAR]
-        pair = np.unique(np.concatenate([pair, known]), axis=0)
+        pair = distinct_rows(np.concatenate([pair, known]))[0]
     i, j = pair.T
     # A path closes on itself only if it is much longer than the gap.
     length = np.linalg.norm(tip[j] - tip[i], axis=1)
@@ -120,18 +142,17 @@ def continuation_cost(tip_a, way_a, arms_a, tip_b, way_b, arms_b, angle, most=np
     limit = np.cos(np.radians(angle))
     fits = (facing > limit) & ((length < 1.5) | ((out_a > limit) & (out_b > limit)))
     cost = np.full(len(length), np.inf)
-    for k in np.flatnonzero(fits):
-        bent = bend(arms_a[k], arms_b[k])
-        if bent <= most:
-            cost[k] = length[k] / 4 + 4 * bent
+    fits = np.flatnonzero(fits)
+    bent = bends([(arms_a[k], arms_b[k]) for k in fits])
+    cost[fits] = np.where(bent <= most, length[fits] / 4 + 4 * bent, np.inf)
     return cost
 
 
 def continuations(paths, *, gap=6.0, angle=35.0):
     """(k, 2) int64, pairs of ends of different paths that continue each other; as in `join_paths`."""
     tip = np.array([end for p in paths for end in (p[0], p[-1])]).reshape(-1, 3)
-    way = np.array([_outward(p[::step]) for p in paths for step in (1, -1)]).reshape(-1, 3)
     arms = [arm for p in paths for arm in (p[:ARM], p[::-1][:ARM])]
+    way = _outward(arms)
     pair = cKDTree(tip).query_pairs(gap, output_type="ndarray").reshape(-1, 2)
     pair = pair[pair[:, 0] // 2 != pair[:, 1] // 2]
     i, j = pair.T
@@ -154,13 +175,17 @@ ARM = 9
 
 def bend(a, b):
     """RMS distance of two arms, each from its end inwards, from one parabola through both (edge lengths)."""
-    line = np.concatenate([a[::-1], b])
-    step = np.linalg.norm(np.diff(line, axis=0), axis=1)
-    s = np.concatenate([[0], np.cumsum(step)])
-    s = s / max(s[-1], 1e-12)
-    basis = np.stack([np.ones_like(s), s, s * s], axis=1)
-    fit = basis @ np.linalg.lstsq(basis, line, rcond=None)[0]
-    return float(np.sqrt(((fit - line) ** 2).sum(1).mean()))
+    return float(bends([(a, b)])[0])
+
+
+def bends(pairs):
+    """(k,) float64, the `bend` of each pair of arms."""
+    result = np.zeros(len(pairs))
+    for own, lines in _of_one_length([np.concatenate([a[::-1], b]) for a, b in pairs]):
+        s = _travelled(lines)
+        fit, _ = _fitted(s / np.maximum(s[:, -1:], 1e-12), lines, 2)
+        result[own] = np.sqrt(((fit - lines) ** 2).sum(2).mean(1))
+    return result
 
 
 def split_at_corners(path, *, arm=3, angle=60.0, least=4):

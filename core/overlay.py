@@ -11,6 +11,7 @@ from scipy.spatial import cKDTree
 from .network import CurveNetwork
 from .orbits import Orbit
 from .rigid import inverse
+from .rows import distinct_rows
 from .support import long_stretches
 
 
@@ -69,10 +70,10 @@ def fold_orbit(network: CurveNetwork, orbit: Orbit, samples, weight, *, margin=1
     if orbit.closed:
         key %= orbit.count[0] + 1
     whole = np.concatenate([index[:, None], key], axis=1)
-    _, first = np.unique(whole, axis=0, return_index=True)
+    _, first, _ = distinct_rows(whole)
     index, key, inner = index[first], key[first], inner[first]
-    keys, cell = np.unique(key, axis=0, return_inverse=True)
-    return _overlay(network, samples[index], cell.ravel(), inner, orbit.power(keys), keys)
+    keys, _, cell = distinct_rows(key)
+    return _overlay(network, samples[index], cell, inner, orbit.power(keys), keys)
 
 
 def fold_poses(network: CurveNetwork, poses, region, free, *, reach=6.0) -> Overlay:

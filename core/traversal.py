@@ -14,6 +14,8 @@ from itertools import permutations
 import numpy as np
 from scipy.spatial import cKDTree
 
+from .rows import distinct_rows
+
 STEADY, PASSAGE, NEAR_END, ARRIVED, OFTEN, FEW = 4, 16, 8.0, 3.0, 3, 0.1
 """Samples in a row that put a run on a piece, most samples between two pieces, edge lengths from the end of a piece
 within which a run must leave it, and within which it has come to the end, runs that make it known that it ends, and the
@@ -61,7 +63,8 @@ def find_passages(pieces, points, tangents, run, *, radius=1.8, cosine=0.7) -> P
     # Two steps in a row make a route where the first enters a piece at one end and the second leaves it at the other.
     first = np.flatnonzero(good[:-1] & good[1:] & connected & (into[:-1] ^ 1 == out[1:]))
     a, b, piece = out[first], into[first + 1], into[first] // 2
-    keys, runs = np.unique(np.stack([piece, np.minimum(a, b), np.maximum(a, b)], axis=1), axis=0, return_counts=True)
+    keys, _, key = distinct_rows(np.stack([piece, np.minimum(a, b), np.maximum(a, b)], axis=1))
+    runs = np.bincount(key, minlength=len(keys))
     return Passages(pairs + pairs.T, np.concatenate([keys[:, 1:], runs[:, None]], axis=1), keys[:, 0], arrivals)
 
 

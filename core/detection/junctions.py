@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
+from ..rows import distinct_rows
 from .extremality import Extremality, fold_angle
 from .lines import Lines, travelled
 from .linking import REACH, piece_ends
@@ -99,8 +100,8 @@ def _aim(point, outward, normal, near, targets, normals, allowed, edge_length, r
 def _first_of_mutual(start, end) -> np.ndarray:
     """(k,) bool, without the ways back: of two ends that aim at each other the second stays where it is."""
     way = np.round(np.concatenate([start, end]), 12)
-    _, name = np.unique(way, axis=0, return_inverse=True)
-    a, b = name.ravel()[: len(start)], name.ravel()[len(start) :]
+    _, _, name = distinct_rows(way)
+    a, b = name[: len(start)], name[len(start) :]
     key, back = a * (len(way) + 1) + b, b * (len(way) + 1) + a
     return ~np.isin(back, key) | (a < b)
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..errors import InputError
+from ..rows import distinct_rows
 from .source import load, load_lines, parse_numbers
 
 _HEADER = 84
@@ -29,8 +30,8 @@ def read_stl_surface(path):
     wrong = np.flatnonzero(~np.isfinite(corners).all(axis=1))
     if len(wrong):
         raise InputError(f"{path}: facet {wrong[0] // 3}: a coordinate is not finite; repair the mesh")
-    points, index = np.unique(corners, axis=0, return_inverse=True)
-    return points, index.reshape(-1, 3).astype(np.int64)
+    points, _, index = distinct_rows(corners)
+    return points, index.reshape(-1, 3)
 
 
 def _ascii(path) -> np.ndarray:
