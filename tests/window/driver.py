@@ -7,6 +7,7 @@ A session is a generator. It yields a number of seconds to wait, or a function t
 import os
 import subprocess
 import sys
+import threading
 import time
 import traceback
 
@@ -233,3 +234,27 @@ class Redraws:
     def median(self):
         gaps = sorted(b - a for a, b in zip(self.times, self.times[1:]))
         return gaps[len(gaps) // 2] if gaps else float("inf")
+
+
+class Held:
+    """Measures how long Python is not to be had for the window: a thread sees how late it wakes."""
+
+    PAUSE = 0.001
+
+    def __init__(self):
+        self.longest, self._over = 0.0, threading.Event()
+        self._thread = threading.Thread(target=self._look, daemon=True)
+
+    def __enter__(self):
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_):
+        self._over.set()
+        self._thread.join()
+
+    def _look(self):
+        while not self._over.is_set():
+            before = time.perf_counter()
+            time.sleep(self.PAUSE)
+            self.longest = max(self.longest, time.perf_counter() - before - self.PAUSE)

@@ -11,7 +11,7 @@ from pathlib import Path
 import bpy
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from driver import EXTENSION, Driver, Redraws  # noqa: E402
+from driver import EXTENSION, Driver, Held, Redraws  # noqa: E402
 from whole_session import CATEGORY, prepare, result, settings  # noqa: E402
 
 COPIES = 3  # of the example, side by side: each has 6,879 samples
@@ -46,9 +46,10 @@ def session(driver):
         yield 1.0
     driver.note(f"the button: longest {1000 * start.longest:.0f} ms")
     began = time.monotonic()
-    with Redraws(driver) as busy:
+    with Redraws(driver) as busy, Held() as held:
         yield lambda: running.current() is None or not running.current().job.running
     driver.note(f"during the run: {1000 * busy.median:.0f} ms, longest {1000 * busy.longest:.0f} ms")
+    driver.note(f"Python was held for at most {1000 * held.longest:.0f} ms of it")
     with Redraws(driver) as end:
         yield lambda: not running.running()
         yield 1.0
