@@ -8,7 +8,7 @@ sorted by what they are and each runs the way its own shape says.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.ndimage import correlate1d
@@ -62,6 +62,25 @@ class CurveNetwork:
     def lengths(self) -> np.ndarray:
         """(m,) float64, length of each curve in edge lengths."""
         return np.add.reduceat(self.weights, self.offsets[:-1]) if len(self) else np.zeros(0)
+
+    def part(self, curves: np.ndarray) -> CurveNetwork:
+        """The network of some curves (k,) int64 alone, in that order and in the same frame."""
+        sizes = np.diff(self.offsets)[curves]
+        offsets = np.concatenate([[0], np.cumsum(sizes)])
+        at = np.arange(offsets[-1]) + np.repeat(self.offsets[curves] - offsets[:-1], sizes)
+        return replace(
+            self,
+            points=self.points[at],
+            tangents=self.tangents[at],
+            weights=self.weights[at],
+            offsets=offsets,
+            closed=self.closed[curves],
+            curve_of=np.repeat(np.arange(len(curves)), sizes),
+            strength=self.strength[curves],
+            source=self.source[curves],
+            normals=None if self.normals is None else self.normals[at],
+            kind=None if self.kind is None else self.kind[at],
+        )
 
     def to_world(self, points: np.ndarray) -> np.ndarray:
         """Points of the frame, (..., 3), in scene units and world axes."""

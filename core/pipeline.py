@@ -17,6 +17,7 @@ from .errors import InputError
 from .network import build_network, estimate_edge_length
 from .orbits import detect_orbits
 from .parameters import Parameters
+from .remainder import further_orbits
 from .selection import select_model
 from .strong import strong_curves
 from .support import Screen
@@ -74,9 +75,11 @@ def _complete(curves, edge_length, p, progress):
     with clock.stage("orbits", seconds):
         orbits = detect_orbits(network, clusters, screen, progress=clock.progress)
     with clock.stage("selection", seconds):
-        model = select_model(
-            network, orbits, screen, l0=p.l0, t=p.t, bayes_ratio=p.bayes_ratio, progress=clock.progress
-        )
+        how = {"l0": p.l0, "t": p.t, "bayes_ratio": p.bayes_ratio, "progress": clock.progress}
+        model = select_model(network, orbits, screen, **how)
+        more = further_orbits(network, model, votes, screen, p)
+        if more:
+            model = select_model(network, model.orbits + more, screen, **how)
     with clock.stage("completion", seconds):
         drafts, courses, orbits = extract_templates(
             network, model, votes, clusters, screen, p, progress=clock.progress
