@@ -88,11 +88,21 @@ class CurveNetwork:
 
     def motion_to_world(self, motions: np.ndarray) -> np.ndarray:
         """Rigid motions of the frame, (..., 4, 4), as motions of the world in scene units."""
+        frame, back = self._frames()
+        return frame @ motions @ back
+
+    def motion_from_world(self, motions: np.ndarray) -> np.ndarray:
+        """Rigid motions of the world in scene units, (..., 4, 4), as motions of the frame."""
+        frame, back = self._frames()
+        return back @ motions @ frame
+
+    def _frames(self):
+        """(4, 4) each, frame to world and back."""
         frame, back = np.eye(4), np.eye(4)
         frame[:3, :3], frame[:3, 3] = self.rotation * self.unit, self.centre
         back[:3, :3] = self.rotation.T / self.unit
         back[:3, 3] = -back[:3, :3] @ self.centre
-        return frame @ motions @ back
+        return frame, back
 
 
 def estimate_edge_length(curves: Curves, *, crossings: bool = False) -> float:
