@@ -76,10 +76,11 @@ def _whole(network, drafts, items, lines, places, free, epsilon):
     back = inverse(place)
     curves = [lines[k] @ back[:3, :3].T + back[:3, 3] for k in members]
     closed = [drafts[d].closed[c] for d, c in (items[k] for k in members)]
-    owners = [items[members[0]][0] for _, members in places]
-    sources = [drafts[d] for d in owners]
+    # What is at one place may be from several drafts; each knows occurrences of it.
+    known = [(place, d) for place, members in places for d in sorted({items[k][0] for k in members})]
+    sources = [drafts[d] for _, d in known]
     most = max(sources, key=lambda source: len(source.poses))
-    poses = [source.poses @ inverse(source.poses[0]) @ place for source, (place, _) in zip(sources, places)]
+    poses = [source.poses @ inverse(source.poses[0]) @ place for source, (place, _) in zip(sources, known)]
     cells = [
         (source.keys, source.orbital)
         if source.transformation == most.transformation
@@ -88,8 +89,8 @@ def _whole(network, drafts, items, lines, places, free, epsilon):
     ]
     keys, orbital = (np.concatenate(x) for x in zip(*cells))
     # Cells of one place move together: all of them tell where that place is. Others stand alone.
-    together = np.repeat(np.arange(len(places)), [len(p) for p in poses])
-    together = np.where(orbital, together, len(places) + np.arange(len(together)))
+    together = np.repeat(np.arange(len(known)), [len(p) for p in poses])
+    together = np.where(orbital, together, len(known) + np.arange(len(together)))
     poses = np.concatenate(poses)
     evidence = seen_share(network, curves, poses, radius=1.25 * epsilon, free=free)
     draft = Draft(curves, closed, poses, keys, evidence, most.transformation, orbital)

@@ -20,8 +20,8 @@ CHANCE_SHARE = 0.1
 TRACED = 30
 """Occurrences that curves are traced on; the memory for that grows with its square."""
 
-FEW = 3
-"""Occurrences up to which a curve is also taken from a single one, if most of it is agreed on."""
+FEW, MOSTLY = 5, 0.5
+"""Occurrences up to which a curve is also taken from a single one, and the share of it that must be agreed on."""
 
 
 def consolidate(
@@ -160,7 +160,7 @@ def agreed(count, least, run, few=False):
     keep = low & strong[stretch]
     if few:
         _, run = np.unique(run, return_inverse=True)
-        keep |= (np.bincount(run, keep) >= 0.5 * np.bincount(run))[run]
+        keep |= (np.bincount(run, keep) >= MOSTLY * np.bincount(run))[run]
     return keep
 
 

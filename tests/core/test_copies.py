@@ -137,6 +137,20 @@ def test_two_pairs_become_one_thing(rng):
     assert len(one.curves) == 4 and len(one.poses) == 8
 
 
+@pytest.mark.parametrize("first", [0, 1])
+def test_a_place_that_is_spread_over_two_drafts_has_the_occurrences_of_both(rng, first):
+    thing = shapes.ornament(rng, 4, size=24)
+    twin = naive.rigid(naive.turn([0, 0, 1], 0.8), [5, 70, 4])
+    places = row(naive.rigid(shift=[80, 5, 0]), 5)
+    net = scene(rng, [(thing, places), (thing, [m @ twin for m in places])])
+    one, other = frame(net, np.eye(4), thing), frame(net, twin, thing)
+    drafts = [known(net, one + other[2:], places), known(net, other[:2], places[:2])]
+    (both,) = unite(net, [drafts[first], drafts[1 - first]], np.ones(len(net.points), bool), PARAMETERS)
+    assert len(both.curves) == 4 and len(both.poses) == 10
+    home, gaps = homes(net, both, thing, [*places, *(m @ twin for m in places)])
+    assert sorted(home) == list(range(10)) and gaps.max() < 0.2
+
+
 def test_things_that_differ_stay_what_they_are(rng):
     first, second = shapes.ornament(rng, 4, size=24), shapes.ornament(rng, 4, size=24)
     net = scene(rng, [(first, row(ALONG, 3)), (second, row(ALONG, 3, TURNED))])
