@@ -90,6 +90,15 @@ def explained_samples(network: CurveNetwork, draft: Draft, *, radius, rivals: Dr
     return seen
 
 
+def explained_length(network: CurveNetwork, drafts, *, radius) -> float:
+    """Length of the samples that lie along some of the drafts, edge lengths."""
+    if not drafts:
+        return 0.0
+    shown = np.any([explained_samples(network, d, radius=radius) for d in drafts], axis=0)
+    return float(network.weights[shown].sum())
+
+
+
 RIVAL = 1.0
 """Edge lengths by which another curve must be nearer to a sample to have it."""
 

@@ -7,39 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.spatial import cKDTree
 
-from core.copies import _grouped, congruent_parts, find_alike, same_figures, unite
-from core.drafts import seen_share
-from core.parameters import Parameters
+from core.copies import unite
 from tests import naive
 from tests.core import shapes
-
-PARAMETERS = Parameters(l0=20.0)
-RADIUS = 1.25 * PARAMETERS.epsilon
-TURNED = naive.rigid(naive.turn([0.3, 1, 0.2], 1.1), [0, 130, 10])
-
-
-def known(net, curves, steps, **more):
-    """A draft of curves of the frame at motions of the world, and what the network shows of it."""
-    poses = np.array([shapes.in_frame(net, m) for m in steps])
-    return shapes.draft(curves, poses, evidence=seen_share(net, curves, poses, radius=RADIUS), **more)
-
-
-def row(step, count, first=None):
-    return [np.linalg.matrix_power(step, k) @ (np.eye(4) if first is None else first) for k in range(count)]
-
-
-def scene(rng, things, *, noise=0.15):
-    """A network of things, each a list of curves, at their places."""
-    curves = [naive.moved(m, c) + noise * rng.normal(size=c.shape) for thing, places in things for m in places
-              for c in thing]  # fmt: skip
-    return shapes.network(curves, smoothing=1.5)
-
-
-def frame(net, m, thing):
-    """Clean curves of a thing at a place of the world, in the network's frame."""
-    return [shapes.to_frame(net, naive.moved(m, naive.resample(c, 1.0))) for c in thing]
+from tests.core.known_drafts import PARAMETERS, TURNED, frame, known, row, scene
 
 
 def homes(net, draft, thing, places):
@@ -151,6 +123,37 @@ def test_a_place_that_is_spread_over_two_drafts_has_the_occurrences_of_both(rng,
     assert sorted(home) == list(range(10)) and gaps.max() < 0.2
 
 
+TWIN = naive.rigid(naive.turn([0, 0, 1], 0.8), [5, 70, 4])
+CELLS = row(naive.rigid(shift=[80, 5, 0]), 5)
+BOTH = [*CELLS, *(m @ TWIN for m in CELLS)]
+
+
+def in_cells(net, curves, cells):
+    return known(net, curves, [CELLS[k] for k in cells], keys=np.array(cells)[:, None])
+
+
+def test_a_thing_and_its_twin_in_drafts_with_other_cells_are_one(rng):
+    """Both stand in the cells of one orbit, and the draft of one of them lacks the first cell and has a curve more."""
+    thing, more = shapes.ornament(rng, 4, size=24), shapes.ornament(rng, 1, size=24)[0] + [0, 0, 40]
+    net = scene(rng, [([*thing, more], CELLS), (thing, [m @ TWIN for m in CELLS])])
+    first, twin = frame(net, np.eye(4), [*thing, more]), frame(net, TWIN, thing)
+    drafts = [in_cells(net, first, range(5)), in_cells(net, twin, (1, 2, 3, 4))]
+    one, rest = unite(net, drafts, np.ones(len(net.points), bool), PARAMETERS)
+    assert len(one.curves) == 4 and len(one.poses) == 9 and len(rest.curves) == 1 and len(rest.poses) == 5
+    home, gaps = homes(net, one, thing, [m for k, m in enumerate(BOTH) if k != 5])
+    assert sorted(home) == list(range(9)) and gaps.max() < 0.2
+
+
+@pytest.mark.parametrize("everywhere", [True, False])
+def test_a_curve_that_one_draft_lacks_goes_to_all_places_that_show_it(rng, everywhere):
+    thing, more = shapes.ornament(rng, 4, size=24), shapes.ornament(rng, 1, size=20)[0]
+    whole = [*thing, more]
+    net = scene(rng, [(whole if everywhere else thing, CELLS), (whole, [m @ TWIN for m in CELLS])])
+    drafts = [in_cells(net, frame(net, np.eye(4), thing), range(5)), in_cells(net, frame(net, TWIN, whole), range(5))]
+    found = unite(net, drafts, np.ones(len(net.points), bool), PARAMETERS)
+    assert sorted((len(d.curves), len(d.poses)) for d in found) == ([(5, 10)] if everywhere else [(1, 5), (4, 10)])
+
+
 def test_things_that_differ_stay_what_they_are(rng):
     first, second = shapes.ornament(rng, 4, size=24), shapes.ornament(rng, 4, size=24)
     net = scene(rng, [(first, row(ALONG, 3)), (second, row(ALONG, 3, TURNED))])
@@ -185,133 +188,3 @@ def test_no_drafts_one_curve_and_one_occurrence(rng):
     # what no free sample shows is no whole: the parts stay
     same = unite(net, drafts, ~every, PARAMETERS)
     assert same is drafts
-
-
-# ---- figures that are cut into parts at other places
-
-
-def wave(begin, order, *, radius=60.0, count=120):
-    """One period, from an angle in radians on, of two waves of that order around the z axis."""
-    a = begin + np.linspace(0, 2 * np.pi / order, count)
-    turn = np.c_[np.cos(a), np.sin(a), np.zeros(count)]
-    inner = 7 * np.sin(order * a) + 4 * np.cos(2 * order * a)
-    outer = 24 + 5 * np.cos(order * a) - 3 * np.sin(3 * order * a)
-    return [turn * (radius + way)[:, None] + np.c_[0 * a, 0 * a, way / 2] for way in (inner, outer)]
-
-
-def two_rings(rng, order=6, *, lost=(), orders=None):
-    """Two rings of waves, the second turned, cut half a period further; a draft of each without the `lost` cells."""
-    orders = orders or (order, order)
-    there = naive.rigid(naive.turn([0.2, 1, 0.1], 0.4), [40, 220, 15])
-    steps = [[naive.about([0, 0, 1], 2 * np.pi * k / o, [0, 0, 0]) for k in range(o)] for o in orders]
-    rings = [(wave(0.0, orders[0]), steps[0]), (wave(np.pi / orders[1], orders[1]), [there @ m for m in steps[1]])]
-    net = scene(rng, rings)
-    seen = [k for k in range(orders[1]) if k not in lost]
-    drafts = [
-        known(net, frame(net, np.eye(4), rings[0][0]), steps[0], transformation=0),
-        known(net, frame(net, there, rings[1][0]), [there @ steps[1][k] @ np.linalg.inv(there) for k in seen],
-              transformation=1),
-    ]  # fmt: skip
-    return net, rings, there, drafts
-
-
-@pytest.mark.parametrize("lost", [(), (2,)])
-def test_two_rings_cut_at_other_places_become_one_template(rng, lost):
-    net, rings, there, drafts = two_rings(rng, lost=lost)
-    (one,) = unite(net, drafts, np.ones(len(net.points), bool), PARAMETERS)
-    assert len(one.poses) == 12 and one.orbital.sum() == 6 and one.keys.shape == (12, 1)
-    truth = np.concatenate([np.concatenate(frame(net, m, thing)) for thing, places in rings for m in places])
-    shown = np.concatenate([naive.moved(m, c) for m in one.poses for c in one.curves])
-    assert (cKDTree(truth).query(shown)[0] < 0.6).mean() > 0.97
-    assert (cKDTree(shown).query(truth)[0] < 1.5).mean() > 0.97
-
-
-def test_the_motion_of_a_figure_is_that_of_the_whole(rng):
-    """It begins as one that a part tells, and that is wrong far from it."""
-    net, _, there, drafts = two_rings(rng)
-    truth = shapes.in_frame(net, there @ naive.about([0, 0, 1], np.pi / 3, [0, 0, 0]))
-    rough = truth @ naive.rigid(naive.turn([1, 2, 3], np.radians(1.0)), [0.5, -0.8, 0.3])
-    other = shapes.in_frame(net, naive.rigid(shift=[0, 90, 0]))
-    ((a, b, m),) = same_figures(drafts, np.array([other, rough]), radius=RADIUS)
-    assert (a, b) in ((0, 1), (1, 0))
-    points = naive.moved(drafts[a].poses[0], np.concatenate(drafts[a].curves))
-    turned = [naive.moved(truth @ shapes.in_frame(net, naive.about([0, 0, 1], k * np.pi / 3, [0, 0, 0])), points)
-              for k in range(6)]  # fmt: skip
-    if a == 1:
-        back = shapes.in_frame(net, np.linalg.inv(there))
-        turned = [naive.moved(back @ shapes.in_frame(net, there @ naive.about([0, 0, 1], k * np.pi / 3, [0, 0, 0])
-                                                     @ np.linalg.inv(there)), points) for k in range(6)]  # fmt: skip
-    assert min(np.linalg.norm(naive.moved(m, points) - t, axis=1).max() for t in turned) < 0.3
-
-
-def test_rings_of_another_order_are_not_the_same(rng):
-    net, _, there, drafts = two_rings(rng, orders=(6, 8))
-    motions = np.array([shapes.in_frame(net, there)])
-    assert same_figures(drafts, motions, radius=RADIUS) == []
-    assert same_figures(drafts, np.zeros((0, 4, 4)), radius=RADIUS) == []
-
-
-# ---- curves that are copies of each other
-
-
-def congruent(curves, owner):
-    p = PARAMETERS
-    alike = find_alike(curves, l0=p.l0, s=p.s, t=p.t, delta_l=p.delta_l, epsilon=p.epsilon)
-    return congruent_parts(alike, owner, l0=p.l0)
-
-
-def test_motions_lead_from_the_first_place_to_the_others(rng):
-    thing = shapes.ornament(rng, 3, size=24)
-    places = [np.eye(4), TURNED, naive.rigid(naive.turn([1, 0, 0], 2.0), [110, 0, 20])]
-    curves = [naive.moved(m, c) + 0.1 * rng.normal(size=c.shape) for m in places for c in thing]
-    curves += [c + [0, 0, 150] for c in shapes.ornament(rng, 2, size=24)]
-    order = rng.permutation(len(curves))
-    (one,) = congruent([curves[k] for k in order], [int(k) // 3 for k in order])
-    assert np.allclose(one[0][0], np.eye(4)) and len(one) == 3
-    sets = [sorted(int(order[k]) for k in members) for _, members in one]
-    assert sorted(sets) == [[0, 1, 2], [3, 4, 5], [6, 7, 8]]
-    start = places[sets[0][0] // 3]
-    for (motion, _), members in zip(one, sets):
-        truth = places[members[0] // 3] @ np.linalg.inv(start)
-        at = np.concatenate([curves[k] for k in sets[0]])
-        assert np.linalg.norm(naive.moved(motion, at) - naive.moved(truth, at), axis=1).mean() < 0.3
-
-
-@pytest.mark.parametrize("count, owners, groups", [(3, 1, 1), (2, 1, 0), (2, 2, 1), (1, 2, 1)])
-def test_how_many_curves_make_a_copy(rng, count, owners, groups):
-    """Within one template three; between two they must be nearly all of both."""
-    thing = shapes.ornament(rng, count, size=24)
-    rest = [c + [0, 0, 60] for c in shapes.ornament(rng, 2, size=24)] if owners == 1 else []
-    curves = thing + [naive.moved(TURNED, c) for c in thing] + rest
-    owner = [0] * count + [owners - 1] * count + [0] * len(rest)
-    assert len(congruent(curves, owner)) == groups
-
-
-def test_templates_that_have_a_part_in_common_are_not_one(rng):
-    thing, more, other = (shapes.ornament(rng, n, size=24) for n in (3, 2, 2))
-    curves = thing + [c + [0, 0, 30] for c in more]
-    curves += [naive.moved(TURNED, c) for c in [*thing, *(c + [0, 0, 30] for c in other)]]
-    assert congruent(curves, [0] * 5 + [1] * 5) == []
-
-
-def test_places_are_chained_by_the_motions_between_them(rng):
-    """Five places of one thing and two of another, known by the motions between some pairs of them."""
-    places = [shapes.random_motion(rng) for _ in range(5)]
-    pairs = [(1, 3), (3, 4), (0, 1), (2, 4)]
-    found = [(places[b] @ np.linalg.inv(places[a]), [a], [b]) for a, b in pairs]
-    other = shapes.random_motion(rng)
-    # what would join two places that are known already, or two groups, tells nothing new
-    found += [(other, [7], [8]), (shapes.random_motion(rng), [0], [2]), (shapes.random_motion(rng), [7], [3])]
-    one, two = _grouped(found)
-    assert sorted(members[0] for _, members in one) == [0, 1, 2, 3, 4]
-    start = places[one[0][1][0]]
-    for motion, members in one:
-        assert np.allclose(motion @ start, places[members[0]])
-    assert [members for _, members in two] == [[7], [8]] and np.allclose(two[1][0], other)
-    assert _grouped([]) == []
-
-
-def test_curves_that_are_too_few_or_too_short(rng):
-    assert congruent([shapes.wiggle(rng, 40)], [0]) == []
-    short = shapes.wiggle(rng, 8, bend=0.4)
-    assert congruent([short, naive.moved(TURNED, short)], [0, 1]) == []
