@@ -73,7 +73,7 @@ def congruent_parts(alike: Alike, owner, *, l0):
         length = sub.lengths[source].sum()
         if length < l0 or set(source) & set(target):
             continue
-        within = bool(np.intersect1d(*(np.asarray(owner)[sub.source[side]] for side in (source, target))).size)
+        within = len(np.unique(np.asarray(owner)[sub.source[np.union1d(source, target)]])) == 1
         if (within and min(len(source), len(target)) >= 3) or all(_is_most(sub, s, owner) for s in (source, target)):
             found.append((length, m, source, target))
     found.sort(key=lambda f: -f[0])

@@ -71,7 +71,7 @@ def _united(network, drafts, free, parameters, threads):
 
 
 SHARED = 0.6
-"""Share of their cells in which drafts of one orbit must stand together to be parts of one thing."""
+"""Share of the cells of the rarer one in which drafts of one orbit must stand together to be parts of one thing."""
 
 
 def _cells(draft):
@@ -85,7 +85,7 @@ def _together(drafts):
     one = np.eye(len(drafts), dtype=bool)
     for a, b in combinations(range(len(drafts)), 2):
         if drafts[a].transformation == drafts[b].transformation:
-            one[a, b] = len(cells[a] & cells[b]) >= SHARED * max(len(cells[a] | cells[b]), 1)
+            one[a, b] = len(cells[a] & cells[b]) >= SHARED * max(min(len(cells[a]), len(cells[b])), 1)
     return connected_components(coo_matrix(one), directed=False)[1]
 
 
