@@ -28,23 +28,26 @@ class Alike:
     motions: np.ndarray
 
 
-def find_alike(curves, surface=(None, None), *, l0, s, t, delta_l, epsilon, threads=1) -> Alike:
+def find_alike(curves, surface=(None, None), *, l0, s, t, delta_l, epsilon, threads=1, tick=None) -> Alike:
     """What Feature BLAST and clustering find among clean curves.
 
     Parameters
     ----------
     curves : list of (k, 3) float64, edge lengths
     surface : normals (n, 3) and kinds (n,) of all points, or None
+    tick : called between steps, so that the run can be stopped
     """
     normals, kind = surface
     lines = replace(Curves.from_list(curves), normals=normals, kind=kind)
     sub = build_network(lines, edge_length=1.0, smoothing=0.0)
-    screen = Screen(sub, radius=epsilon, stretch=6.0, still=8.0, threads=threads)
+    screen = Screen(sub, radius=epsilon, stretch=6.0, still=8.0, threads=threads, tick=tick)
     least = max(8.0, 0.6 * l0)
     strong = np.flatnonzero(sub.lengths > least)
     if len(strong) < 2:
         return Alike(sub, screen, np.zeros((0, 4, 4)))
-    matches = feature_blast(sub, strong, l0=least, s=s, t=t, delta_l=delta_l, threads=threads)
+    matches = feature_blast(
+        sub, strong, l0=least, s=s, t=t, delta_l=delta_l, threads=threads, progress=lambda *_: screen.tick()
+    )  # fmt: skip
     votes = vote(sub, matches, bin_translation=2.0, bin_rotation=1.5)
     clusters = cluster_votes(sub, votes, screen, cluster_translation=2.0, cluster_rotation=1.5)
     return Alike(sub, screen, sub.motion_to_world(clusters.motions))
@@ -69,6 +72,7 @@ def congruent_parts(alike: Alike, owner, *, l0):
     sub, screen = alike.network, alike.screen
     found = []
     for m, own in zip(alike.motions, sub.motion_from_world(alike.motions)):
+        screen.tick()
         source, target = _whole_sides(sub, screen, own)
         length = sub.lengths[source].sum()
         if length < l0 or set(source) & set(target):

@@ -201,39 +201,49 @@ def fit_curves(paths, points, tangents, weight, run, *, trails=None, radius=1.5,
     closed = [ring for _, ring in joined]
     tick()
     lines = [smooth_polyline(resample_polyline(path, 1.0, ring), smoothing, ring) for path, ring in joined]
-    return settle(lines, closed, points, tangents, weight, run, radius=radius, smoothing=smoothing), closed
+    return settle(lines, closed, points, tangents, weight, run, radius=radius, smoothing=smoothing, tick=tick), closed
 
 
-def settle(lines, closed, points, tangents, weight, run, *, radius=1.5, smoothing=1.0):
+def settle(lines, closed, points, tangents, weight, run, *, radius=1.5, smoothing=1.0, tick=None):
     """Lines moved onto the middle of the points along them, smooth and one edge length between their samples.
 
     run : (n,) int64, the same for points that follow each other on one input curve
     """
     out = []
-    for line, ring, own in zip(lines, closed, own_points(lines, points, tangents, run, radius=radius + 0.5)):
+    owned = own_points(lines, points, tangents, run, radius=radius + 0.5, tick=tick)
+    for line, ring, own in zip(lines, closed, owned):
+        if tick:
+            tick()
         for _ in range(2):
             line = pull(line, points[own], tangents[own], weight[own], radius, ring)
         out.append(resample_polyline(smooth_polyline(line, smoothing, ring), 1.0, ring))
     return out
 
 
-def own_points(lines, points, tangents, run, *, radius, cosine=0.75, most=0.8):
+def own_points(lines, points, tangents, run, *, radius, cosine=0.75, most=0.8, tick=None):
     """For each line, the points (k,) int64 along it that belong to it.
 
     Where lines share a stretch, a point belongs to those that its run follows for the longest way.
     """
     if not lines:
         return []
-    near = np.zeros((len(lines), len(points)), bool)
-    for k, line in enumerate(lines):
+    found, followed, best = [], [], np.zeros(len(points), np.int64)
+    for line in lines:
+        if tick:
+            tick()
         way = np.gradient(line, axis=0)
         way /= np.maximum(np.linalg.norm(way, axis=1), 1e-12)[:, None]
-        distance, at = cKDTree(line).query(points, distance_upper_bound=radius)
-        found = np.flatnonzero(np.isfinite(distance))
-        near[k, found] = np.abs((way[at[found]] * tangents[found]).sum(1)) > cosine
-    followed = np.stack([np.bincount(run, row, minlength=run.max() + 1) for row in near])[:, run]
-    best = np.where(near, followed, 0).max(axis=0)
-    return [np.flatnonzero(row & (way >= most * best)) for row, way in zip(near, followed)]
+        low, high = line.min(axis=0) - radius, line.max(axis=0) + radius
+        near = np.flatnonzero(((points >= low) & (points <= high)).all(axis=1))
+        distance, at = cKDTree(line).query(points[near], distance_upper_bound=radius)
+        hit = np.flatnonzero(np.isfinite(distance))
+        near, at = near[hit], at[hit]
+        near = near[np.abs((way[at] * tangents[near]).sum(1)) > cosine]
+        _, name, count = np.unique(run[near], return_inverse=True, return_counts=True)
+        found.append(near)
+        followed.append(count[name])
+        best[near] = np.maximum(best[near], followed[-1])
+    return [near[count >= most * best[near]] for near, count in zip(found, followed)]
 
 
 def _join_across(pieces, trails, *, short=10.0, gap=14.0, cover=2.5):

@@ -21,22 +21,22 @@ from .polishing import settled
 from .rigid import inverse
 
 
-def unite(network: CurveNetwork, drafts: list[Draft], free, parameters, *, threads=1) -> list[Draft]:
+def unite(network: CurveNetwork, drafts: list[Draft], free, parameters, *, threads=1, tick=None) -> list[Draft]:
     """Drafts in which curves that are rigid copies of each other are one template with the occurrences of all.
 
-    free : (n,) bool, samples that may show them
+    free : (n,) bool, samples that may show them; tick : called between steps, so that the run can be stopped
 
     A template of two pairs of things becomes one pair first, and then one thing.
     """
     for _ in range(4):
-        united = _united(network, drafts, free, parameters, threads)
+        united = _united(network, drafts, free, parameters, threads, tick or (lambda: None))
         if united is drafts:
             break
         drafts = united
     return drafts
 
 
-def _united(network, drafts, free, parameters, threads):
+def _united(network, drafts, free, parameters, threads, tick):
     """The drafts after one round, or just the given ones where nothing is a copy of anything."""
     p, epsilon = parameters, parameters.epsilon
     radius = 1.25 * epsilon
@@ -50,21 +50,24 @@ def _united(network, drafts, free, parameters, threads):
         nearest = cKDTree(network.points).query(np.concatenate(lines))[1]
         surface = network.normals[nearest], None if network.kind is None else network.kind[nearest]
     alike = find_alike(
-        lines, surface, l0=p.l0, s=p.s, t=p.t, delta_l=p.delta_l, epsilon=epsilon, threads=threads
+        lines, surface, l0=p.l0, s=p.s, t=p.t, delta_l=p.delta_l, epsilon=epsilon, threads=threads,
+        tick=tick,
     )  # fmt: skip
     together = _together(drafts)
     groups = congruent_parts(alike, [together[d] for d, _ in items], l0=p.l0)
     united = []
     for places in groups:
         used = [items[k] for _, members in places for k in members]
-        draft = _whole(network, drafts, home, items, lines, places, free, epsilon)
+        tick()
+        draft = _whole(network, drafts, home, items, lines, places, free, epsilon, tick)
+        tick()
         new, _ = group(network, draft, free, radius=radius)
         # What was explained by the parts must be explained by the whole.
         before = [drafts[d].part([c for e, c in used if e == d]) for d in sorted({d for d, _ in used})]
         if explained_length(network, new, radius=radius) >= 0.97 * explained_length(network, before, radius=radius):
             united += new
     if not united:
-        united = one_of_figures(network, drafts, alike.motions, free, epsilon)
+        united = one_of_figures(network, drafts, alike.motions, free, epsilon, tick)
     if not united:
         return drafts
     return united + [left for draft in drafts if (left := _uncovered(draft, united, radius)) is not None]
@@ -106,7 +109,7 @@ def _homes(drafts):
     return home
 
 
-def _whole(network, drafts, home, items, lines, places, free, epsilon):
+def _whole(network, drafts, home, items, lines, places, free, epsilon, tick):
     """One draft of what is at several places: the longest version of its curves, with the occurrences of all."""
     place, members = max(places, key=lambda entry: sum(len(lines[k]) for k in entry[1]))
     back = inverse(place)
@@ -136,7 +139,8 @@ def _whole(network, drafts, home, items, lines, places, free, epsilon):
     evidence = seen_share(network, curves, poses, radius=1.25 * epsilon, free=free)
     draft = Draft(curves, closed, poses, keys, evidence, most.transformation, orbital)
     kept = _one_a_place(draft)
-    return settled(network, draft.part(cells=kept), free, radius=1.25 * epsilon, together=together[kept])
+    draft = draft.part(cells=kept)
+    return settled(network, draft, free, radius=1.25 * epsilon, together=together[kept], tick=tick)
 
 
 TWICE, BESIDE = 0.5, 0.5

@@ -55,7 +55,8 @@ def consolidate(
         keep, mean = _carried(overlay, wide, enough, mean)
         if (keep & wide.inner).any():
             curves, closed, points = _clean(wide, mean, keep, network.weights, epsilon, report)
-            curves, closed = one_of_each(curves, closed, orbit, points, wide.inner[keep])
+            tick = lambda: report(0.8)  # noqa: E731
+            curves, closed = one_of_each(curves, closed, orbit, points, wide.inner[keep], tick=tick)
     if not curves:
         nothing = np.zeros((len(overlay.poses), 0))
         return Draft([], [], overlay.poses, overlay.keys, nothing, transformation, cells)
@@ -110,19 +111,21 @@ def _carried(overlay: Overlay, wide: Overlay, keep, mean):
     return keep[twin], np.einsum("nij,nj->ni", way[:, :3, :3], mean[twin]) + way[:, :3, 3]
 
 
-def one_of_each(curves, closed, orbit, points, inner, *, radius=2.5, covered=0.6):
+def one_of_each(curves, closed, orbit, points, inner, *, radius=2.5, covered=0.6, tick=None):
     """Of curves in a cell and its margins, one of those that the orbit takes onto each other; whole ones first.
 
     points : (n, 3) float64, what the curves run through; inner : (n,) bool, in the cell itself
     """
     if not curves:
         return [], []
-    near = [cKDTree(points).query(c)[1] for c in curves]
-    own = np.array([inner[k].sum() for k in near])
+    tree = cKDTree(points)
+    own = np.array([inner[tree.query(c)[1]].sum() for c in curves])
     steps = np.stack(np.meshgrid(*[(-1, 0, 1)] * len(orbit.twists), indexing="ij"), -1).reshape(-1, len(orbit.twists))
     images = orbit.power(steps)
     out, rings, shown = [], [], np.zeros((0, 3))
     for k in sorted(range(len(curves)), key=lambda k: (-(len(curves[k]) // 4), -own[k])):
+        if tick:
+            tick()
         if not own[k]:
             continue
         if len(shown) and (cKDTree(shown).query(curves[k])[0] < radius).mean() > covered:

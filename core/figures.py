@@ -16,12 +16,12 @@ from .polishing import settled
 from .rigid import best_rotation, inverse, motion
 
 
-def one_of_figures(network, drafts, motions, free, epsilon):
+def one_of_figures(network, drafts, motions, free, epsilon, tick):
     """The best pair of drafts that make the same figure, as one draft in a list; an empty list where there is none.
 
     A rosette and another one may be cut into petals at other places, so that no petal of one is a petal of the other.
     """
-    for a, b, figure_motion in same_figures(drafts, motions, radius=1.25 * epsilon):
+    for a, b, figure_motion in same_figures(drafts, motions, radius=1.25 * epsilon, tick=tick):
         one = drafts[a]
         there = _taken_over(one, drafts[b], figure_motion)
         both = replace(
@@ -32,13 +32,16 @@ def one_of_figures(network, drafts, motions, free, epsilon):
         )
         evidence = seen_share(network, both.curves, both.poses, radius=1.25 * epsilon, free=free)
         second = np.repeat([0, 1], [len(one.poses), len(there)])
-        both = settled(network, replace(both, evidence=evidence), free, radius=1.25 * epsilon, together=second)
+        how = {"radius": 1.25 * epsilon, "together": second, "tick": tick}
+        both = settled(network, replace(both, evidence=evidence), free, **how)
         # Twice as many occurrences tell better which curve goes on in which.
         figure = np.concatenate(both.curves)
-        made = consolidate_places(network, both.poses, figure, both.transformation, free, epsilon=epsilon)
+        made = consolidate_places(
+            network, both.poses, figure, both.transformation, free, epsilon=epsilon, progress=lambda _: tick()
+        )
         if made.curves:
             both = replace(made, poses=both.poses, keys=both.keys, orbital=both.orbital)
-            both = settled(network, both, free, radius=1.25 * epsilon, together=second)
+            both = settled(network, both, free, **how)
         new, _ = group(network, both, free, radius=1.25 * epsilon)
         before = explained_length(network, [one, drafts[b]], radius=1.25 * epsilon)
         if explained_length(network, new, radius=1.25 * epsilon) >= 0.95 * before:
@@ -67,7 +70,7 @@ def _taken_over(one, other, figure_motion):
     return best
 
 
-def same_figures(drafts, motions, *, radius, whole=0.85, most=0.6):
+def same_figures(drafts, motions, *, radius, whole=0.85, most=0.6, tick=None):
     """Pairs of drafts that show the same figure, all occurrences together: (a, b, motion (4, 4)) each, best first.
 
     The motion takes the figure of a to that of b; it or its inverse begins as one of the given (k, 4, 4). At least a
@@ -84,6 +87,8 @@ def same_figures(drafts, motions, *, radius, whole=0.85, most=0.6):
             near = np.linalg.norm(away, axis=1) < NEAR * np.linalg.norm(one[0].std(axis=0)) + 2 * radius
             best = (0.0, None)
             for m in both[near]:
+                if tick:
+                    tick()
                 some = one[0][::8] @ m[:3, :3].T + m[:3, 3], one[1][::8] @ m[:3, :3].T
                 if _covered(some, other, 2 * radius) < BEGIN:
                     continue

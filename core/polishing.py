@@ -120,7 +120,7 @@ def _moved_twists(orbit, twists, change):
     return new
 
 
-def settled(network: CurveNetwork, draft: Draft, free, *, radius, together=None, rounds=2) -> Draft:
+def settled(network: CurveNetwork, draft: Draft, free, *, radius, together=None, rounds=2, tick=None) -> Draft:
     """A draft whose poses, and then its curves, are fitted to the free samples (n,) bool.
 
     together : (a,) int64, occurrences of the same number move as one; None leaves the cells of an orbit where they
@@ -133,11 +133,11 @@ def settled(network: CurveNetwork, draft: Draft, free, *, radius, together=None,
         if together is None:
             poses = np.where(draft.orbital[:, None, None], draft.poses, poses)
         draft = replace(draft, poses=poses)
-        draft = fit_to_samples(network, draft, np.flatnonzero(free), radius=radius)
+        draft = fit_to_samples(network, draft, np.flatnonzero(free), radius=radius, tick=tick)
     return replace(draft, evidence=seen_share(network, draft.curves, draft.poses, radius=radius, free=free))
 
 
-def fit_to_samples(network: CurveNetwork, draft: Draft, samples, *, radius) -> Draft:
+def fit_to_samples(network: CurveNetwork, draft: Draft, samples, *, radius, tick=None) -> Draft:
     """A draft whose curves are the mean of all samples that show them, taken back from their occurrences."""
     points, tangents, cell = _shown_points(draft)
     if not len(points):
@@ -158,6 +158,5 @@ def fit_to_samples(network: CurveNetwork, draft: Draft, samples, *, radius) -> D
     folded = np.einsum("nij,nj->ni", back[:, :3, :3], network.points[use]) + back[:, :3, 3]
     lines = np.einsum("nij,nj->ni", back[:, :3, :3], network.tangents[use])
     _, run = np.unique(home * len(network) + network.curve_of[use], return_inverse=True)
-    return replace(
-        draft, curves=settle(draft.curves, draft.closed, folded, lines, network.weights[use], run.ravel())
-    )
+    weight = network.weights[use]
+    return replace(draft, curves=settle(draft.curves, draft.closed, folded, lines, weight, run.ravel(), tick=tick))

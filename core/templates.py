@@ -56,7 +56,9 @@ def extract_templates(network: CurveNetwork, model, votes, clusters, screen: Scr
         maker.take(int(k))
     maker.search_all()
     maker.report(0.8)
-    drafts = unite(network, maker.drafts, maker.beside_courses, parameters, threads=screen.threads)
+    drafts = unite(
+        network, maker.drafts, maker.beside_courses, parameters, threads=screen.threads, tick=lambda: maker.report(0.8)
+    )
     return drafts, maker.courses, [maker.orbits.get(k, orbit) for k, orbit in enumerate(model.orbits)]
 
 
@@ -166,7 +168,7 @@ class _Maker:
     def _add(self, draft, left):
         """Take a draft up; of the samples `left` those that it does not explain are returned."""
         free = left | explained_samples(self.network, draft, radius=self.radius)
-        draft = settled(self.network, draft, free, radius=self.radius)
+        draft = settled(self.network, draft, free, radius=self.radius, tick=self.screen.tick)
         self.drafts.append(draft)
         explained = explained_samples(self.network, draft, radius=self.radius)
         self.free &= ~explained
@@ -190,7 +192,7 @@ class _Maker:
         if not known:
             orbit, draft = fit_orbit(self.network, orbit, draft, use, radius=self.radius, tick=self.screen.tick)
         self.screen.tick()
-        draft = fit_to_samples(self.network, draft, use, radius=self.radius)
+        draft = fit_to_samples(self.network, draft, use, radius=self.radius, tick=self.screen.tick)
         self.orbits.setdefault(k, orbit)
         return orbit, draft
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from core.copies import unite
+from core.errors import Cancelled
 from tests import naive
 from tests.core import shapes
 from tests.core.known_drafts import PARAMETERS, TURNED, frame, known, row, scene
@@ -121,6 +122,24 @@ def test_a_place_that_is_spread_over_two_drafts_has_the_occurrences_of_both(rng,
     assert len(both.curves) == 4 and len(both.poses) == 10
     home, gaps = homes(net, both, thing, [*places, *(m @ twin for m in places)])
     assert sorted(home) == list(range(10)) and gaps.max() < 0.2
+
+
+@pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
+def test_it_can_be_stopped_between_its_steps(rng, share):
+    net, _, _, drafts = two_rows(rng)
+    every, ticks = np.ones(len(net.points), bool), []
+    unite(net, drafts, every, PARAMETERS, tick=lambda: ticks.append(0))
+    last = int(share * (len(ticks) - 1))
+    assert len(ticks) > 5
+
+    def stop():
+        ticks.append(0)
+        if len(ticks) > last:
+            raise Cancelled
+
+    ticks.clear()
+    with pytest.raises(Cancelled):
+        unite(net, drafts, every, PARAMETERS, tick=stop)
 
 
 TWIN = naive.rigid(naive.turn([0, 0, 1], 0.8), [5, 70, 4])
