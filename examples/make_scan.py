@@ -20,7 +20,7 @@ SEED = 2018
 SPACING = 0.027
 WIDTH, HEIGHT = 5.6, 8.0
 
-WINDOWS = [(0.7 + 1.4 * i, 0.75 + 2.2 * j) for j in range(2) for i in range(4)]
+WINDOWS = [(0.7 + 1.4 * i, 0.95 + 2.05 * j) for j in range(2) for i in range(4)]
 ROSETTE = (2.8, 6.55)
 PETALS = 8
 RAMP = 0.06
