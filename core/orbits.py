@@ -19,10 +19,11 @@ lengths within which motions are one."""
 SHARE, CLOSED_SHARE = 0.75, 0.5
 """Share of the support that a root must keep, and the first power of a rotation that closes a circle."""
 
-DISTINCT, ROWS = 0.25, 0.3
+DISTINCT, ROWS, LIFT, MUTUAL = 0.25, 0.3, 1.35, 0.4
 """Share of its support by which a motion must stand out from those beside it (on a scan straight jambs and mouldings,
-which support slides as well, are most of the length), and share of the better supported generator's support that the
-other generator of a grid must have."""
+which support slides as well, are most of the length); share of the better supported generator's support that the
+other generator of a grid must have; and by what factor more of what recurs along that one must recur along the first
+than of the network, unless that share of it does (see `_Finder.one_lattice`)."""
 
 
 @dataclass(frozen=True)
@@ -340,13 +341,27 @@ class _Finder:
         seen = support > self.chance
         if seen.sum() < 4 or seen[inside].mean() < 0.6 or np.linalg.norm(g, axis=1).min() < 2 * self.still:
             return None
-        # Floors that are alike in part only are no rows of one lattice: folded onto each other they would mix.
-        each = self.screen.score(self.shift(g))
-        if each.min() < ROWS * each.max():
+        if not self.one_lattice(g):
             return None
         total = 2 * float(support[seen].sum())
         twists = np.concatenate([np.zeros((2, 3)), g], axis=1)
         return Orbit("grid", twists, reach, False, total)
+
+    def one_lattice(self, g):
+        """Whether two translations (2, 3) are generators of one lattice.
+
+        Floors that are alike in part only are no rows of one lattice: folded onto each other they would mix. Of the
+        cells of a lattice the same curves recur both ways. Where sills and jambs chance to fit those of another floor,
+        they recur along the floor no more often than any other curve does.
+        """
+        each = self.screen.score(self.shift(g))
+        if each.min() < ROWS * each.max():
+            return False
+        weight = self.screen.weight
+        both_ways = [self.screen.supported(self.shift(np.stack([v, -v])), specific=True) for v in g]
+        a, b = sorted(both_ways, key=lambda seen: weight @ seen)
+        share, usual = weight @ (a & b) / max(weight @ a, 1e-9), weight @ b / weight.sum()
+        return share >= min(MUTUAL, LIFT * usual)
 
     @staticmethod
     def reduce(g):

@@ -18,7 +18,7 @@ from .support import Screen, in_long_stretches, slips
 class Model:
     """The selected transformations.
 
-    orbits : the transformations that are kept, most support first
+    orbits : the transformations that are kept, most support by what does not slip first
     log_bayes_factor : (k,) float64, log K of the model with each against the model without it
     of_curve : (m,) int64, the transformation that generated each curve (index into `orbits`), -1 for T_null
     hits : (k, n) int64, occurrences that show each sample under each transformation, slipping ones included
@@ -35,10 +35,12 @@ class Model:
 def select_model(network: CurveNetwork, orbits, screen: Screen, *, l0, t, bayes_ratio, progress=None) -> Model:
     """Remove transformations until the Bayes ratio says that one is needed (section 4.2.2)."""
     affinities, hits = [], []
+    specific = np.zeros(len(orbits))
     for k, orbit in enumerate(orbits):
-        a, h = curve_affinities(network, orbit, screen, t=t)
+        a, h, s = curve_affinities(network, orbit, screen, t=t)
         affinities.append(a * doubts(orbit.generators, screen).min())
         hits.append(h)
+        specific[k] = s
         if progress:
             progress("selection", (k + 1) / (len(orbits) + 1))
     if not orbits:
@@ -49,7 +51,7 @@ def select_model(network: CurveNetwork, orbits, screen: Screen, *, l0, t, bayes_
     kept, loss, best = eliminate(affinity, null, bayes_ratio)
     hits = np.array(hits)[kept]
     support = (hits > 0) @ network.weights
-    order = np.argsort(-support, kind="stable")
+    order = np.argsort(-specific[kept], kind="stable")
     place = np.full(len(kept) + 1, -1)
     place[order] = np.arange(len(order))
     return Model([orbits[kept[i]] for i in order], loss[order], place[best], hits[order], support[order])
@@ -62,7 +64,8 @@ TRIES = 8
 def curve_affinities(network: CurveNetwork, orbit: Orbit, screen: Screen, *, t):
     """Average Feature BLAST affinity of every curve under a transformation, summed over its recurrences.
 
-    Returns (m,) float64 and (n,) int64, the recurrences that show each sample. The motion being given, a match is
+    Returns (m,) float64; (n,) int64, the recurrences that show each sample, and the length of all samples that do not
+    slip along one that shows them. The motion being given, a match is
     an unbroken stretch of samples on the network; its samples have affinity l exp(-d / (0.5 t)), others 0.
     What motions a little beside explain is chance and is taken off: else many recurrences, each explaining a
     little by chance, would add up to an explanation. What slips along the motions tells nothing for them.
@@ -77,7 +80,7 @@ def curve_affinities(network: CurveNetwork, orbit: Orbit, screen: Screen, *, t):
     chance = _affinity(network, beside, screen, t)[0] / many
     counts = np.diff(network.offsets)
     own, other = (np.add.reduceat(x, network.offsets[:-1]) / counts for x in (total, chance))
-    return np.maximum(own - other, 0), hits
+    return np.maximum(own - other, 0), hits, network.weights @ (total > 0)
 
 
 def _affinity(network, powers, screen, t):

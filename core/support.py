@@ -293,12 +293,19 @@ class Screen:
 
         return np.concatenate(self._chunks(motions, part, None)) if len(motions) else np.zeros(0)
 
-    def supported(self, motions):
-        """(n,) bool, samples that any of the motions takes onto the network along a stretch."""
+    def supported(self, motions, *, specific=False):
+        """(n,) bool, samples that any of the motions takes onto the network along a stretch.
+
+        specific : leave out those that slip along their motion
+        """
 
         def part(m):
             i, k, _ = self.hits(m)
-            return np.unique(k[in_long_stretches(i, k, self.curve, self.least)])
+            good = in_long_stretches(i, k, self.curve, self.least)
+            if specific:
+                i, k = i[good], k[good]
+                good = self._specific(m, i, k)
+            return np.unique(k[good])
 
         seen = np.zeros(len(self.points), bool)
         if len(motions):

@@ -99,7 +99,7 @@ def naive_affinity(net, powers, *, radius, least, t):
 def test_affinities_are_those_of_the_stretches(rng):
     net, orbit = row_of_things(rng, 4)
     screen = Screen(net, radius=2.0)
-    affinity, hits = curve_affinities(net, orbit, screen, t=2.0)
+    affinity, hits, _ = curve_affinities(net, orbit, screen, t=2.0)
     least = np.minimum(screen.least, np.diff(net.offsets))[net.curve_of]
     powers = np.array([k * orbit.twists[0, 3:] for k in (-3, -2, -1, 1, 2, 3)])
     expected = naive_affinity(net, [naive.rigid(shift=v) for v in powers], radius=2.0, least=least, t=2.0)
