@@ -10,7 +10,7 @@ from .mesh import TriangleMesh
 _QUARTILE = 0.3186393639643752
 """Lower quartile of the absolute value of a normal variable of deviation 1. Features only raise the upper part."""
 
-_STRENGTH, _MESH = 0.66, 0.6
+_STRENGTH, _MESH = 0.64, 0.37
 """Of `noise_fold`, fitted to noise on planes at scales from 0 to 3 edge lengths, even meshes and uneven ones.
 The second is the squared width, in edges, of the smoothing that the fit of the tensors brings along by itself."""
 

@@ -18,6 +18,7 @@ from .memory import room_for
 from .merging import without_doubles, without_spurs
 from .mesh import TriangleMesh
 from .parameters import DetectionParameters
+from .scale import curvature_at_own_scale
 from .sharp import boundary_lines, sharp_lines
 from .surface import Surface
 from .tensor import Curvature, curvature
@@ -49,7 +50,7 @@ def detect(
     Parameters
     ----------
     mesh : made with `TriangleMesh.of(vertices, faces)`
-    detail : smoothing scale in edge lengths; given here it replaces `parameters.detail`
+    detail : smoothing scale in edge lengths, 0 to choose it from the scan; given here it replaces `parameters.detail`
     ridges, valleys, sharp, boundary : the kinds to look for
     field : the result of `measure` for this mesh and detail, to try other thresholds without measuring again
     progress : called as progress(stage, fraction) with the stages "curvature" and "lines"; may raise Cancelled
@@ -96,11 +97,11 @@ def _found(mesh, field, kinds, parameters, progress) -> FeatureCurves:
     found = met(found, kinds, surface, field, reach=reach, turn=turn, fold=least, tick=tick)
     if progress is not None:
         progress("lines", 1.0)
-    return _collected(found, kinds, mesh)
+    return _collected(found, kinds, mesh, field)
 
 
 def measure(mesh: TriangleMesh, *, parameters: DetectionParameters = DEFAULTS, progress=None) -> Curvature:
-    """The smoothed curvature of a mesh at `parameters.detail`, most of the work of `detect`."""
+    """The smoothed curvature of a mesh at `parameters.detail`, or at its own scale; most of the work of `detect`."""
     done = 0
 
     def tick():
@@ -110,7 +111,11 @@ def measure(mesh: TriangleMesh, *, parameters: DetectionParameters = DEFAULTS, p
 
     parameters.validate()
     with room_for(len(mesh.faces)):
-        field = curvature(mesh, parameters.detail * mesh.edge_length, tick=tick if progress is not None else None)
+        watched = tick if progress is not None else None
+        if parameters.detail > 0:
+            field = curvature(mesh, parameters.detail * mesh.edge_length, tick=watched)
+        else:
+            field = curvature_at_own_scale(mesh, tick=watched)
     if progress is not None:
         progress("curvature", 1.0)
     return field
@@ -125,7 +130,7 @@ def _lines(kind, mesh, field, surface, parameters, tick) -> Lines:
     if kind == BOUNDARY:
         return boundary_lines(mesh, field)
     strong_fold, weak = parameters.folds(field.noise)
-    lines, sound = crest_lines(mesh, field, kind, 0.5 * weak, tick)
+    lines, sound, _ = crest_lines(mesh, field, kind, 0.5 * weak, tick)
     tick()
     clear = sound & (lines.fold >= weak) & ~surface.near_boundary(lines.points, parameters.margin * h)
     lines = lines.with_segments(clear_segments(lines.segments, lines.points, clear, parameters.bridge * h, tick))
@@ -157,7 +162,7 @@ def _strong(lines: Lines, strong_fold: float, parameters: DetectionParameters, h
     return lines.with_segments(np.stack([pieces.nodes[a], pieces.nodes[b]], axis=1)[keep[pieces.label[a]]])
 
 
-def _collected(found, kinds, mesh) -> FeatureCurves:
+def _collected(found, kinds, mesh, field) -> FeatureCurves:
     """Every chain of every kind as one curve, longest first."""
     parts = [(kind, lines, lines.chains()) for kind, lines in zip(kinds, found)]
     kind = np.concatenate([np.full(len(c), k) for k, _, c in parts]).astype(np.int64)
@@ -172,7 +177,7 @@ def _collected(found, kinds, mesh) -> FeatureCurves:
     closed = np.concatenate([c.closed for _, _, c in parts])
     offsets = np.r_[0, np.cumsum(sizes)].astype(np.int64)
     curves = Curves(points, offsets, closed, strength, normals=normals, kind=np.repeat(kind, sizes))
-    found = FeatureCurves(curves, kind, length, mean_strength, mean_fold, mesh.edge_length)
+    found = FeatureCurves(curves, kind, length, mean_strength, mean_fold, mesh.edge_length, field.scale / mesh.edge_length)
     return found.select(np.lexsort((kind, -length)))
 
 

@@ -19,6 +19,7 @@ def summary(name: str, vertices: int, faces: int, found: FeatureCurves) -> dict:
         "vertices": int(vertices),
         "faces": int(faces),
         "edge_length": float(found.edge_length),
+        "detail": float(found.detail),
         "curves": len(found),
         "kinds": counts,
         "length": float(found.length.sum()),

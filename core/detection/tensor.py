@@ -26,6 +26,7 @@ class Curvature:
     high_slope, low_slope : (n,) float64, derivative of each curvature along its own direction (extremality)
     points, normals : (n, 3) float64, the smoothed surface; the normals are unit
     width : (n,) float64, standard deviation of all smoothing that the curvatures went through, scene units
+    scale : the standard deviation that was asked for, scene units
     noise : radians, the fold angle that the mesh's noise alone makes after this smoothing (noise.py)
     """
 
@@ -38,6 +39,7 @@ class Curvature:
     points: np.ndarray
     normals: np.ndarray
     width: np.ndarray
+    scale: float
     noise: float
 
     @property
@@ -46,15 +48,16 @@ class Curvature:
         return np.maximum(np.abs(self.high), np.abs(self.low))
 
 
-def curvature(mesh: TriangleMesh, scale: float, *, fine: float = 0.5, tick=None) -> Curvature:
+def curvature(mesh: TriangleMesh, scale: float, *, fine: float = 0.5, diffusion=None, tick=None) -> Curvature:
     """Fit the tensors of the surface smoothed by the standard deviation `scale` (scene units).
 
     The positions are diffused first, because a fit cannot undo noise that has entered the normals; the normals
     and the tensors are diffused by `fine` times as much again, so that the third derivatives are smooth too.
+    diffusion : that of the mesh, if there is one already
     """
     tick = tick or (lambda: None)
     tick()
-    diffusion = Diffusion.of(mesh, tick)
+    diffusion = Diffusion.of(mesh, tick) if diffusion is None else diffusion
     tick()
     width = diffusion.width(scale)
     centre = mesh.vertices.mean(axis=0)  # keeps the digits of models far from the origin
@@ -77,7 +80,7 @@ def curvature(mesh: TriangleMesh, scale: float, *, fine: float = 0.5, tick=None)
     tick()
     whole = width * np.sqrt(1 + 2 * fine**2)  # of the curvatures: variances of diffusions add up
     slopes = cubic(derivative, high_direction), cubic(derivative, low_direction)
-    return Curvature(high, low, high_direction, low_direction, *slopes, points + centre, normals, whole, noise)
+    return Curvature(high, low, high_direction, low_direction, *slopes, points + centre, normals, whole, scale, noise)
 
 
 def _unit(vectors):

@@ -23,6 +23,7 @@ class FeatureCurves:
     mean_strength : (m,) float64, 1 / length, average along the curve
     mean_fold : (m,) float64, degrees, average angle of the fold that the strength stands for (docs/detection.md)
     edge_length : mean edge length of the mesh, scene units
+    detail : the smoothing scale that was used, edge lengths
     """
 
     curves: Curves
@@ -31,6 +32,7 @@ class FeatureCurves:
     mean_strength: np.ndarray
     mean_fold: np.ndarray
     edge_length: float
+    detail: float
 
     def __len__(self) -> int:
         return len(self.kind)
@@ -44,7 +46,7 @@ class FeatureCurves:
         at = np.arange(offsets[-1]) + np.repeat(c.offsets[index] - offsets[:-1], sizes)
         curves = Curves(c.points[at], offsets, c.closed[index], c.strength[at], normals=c.normals[at], kind=c.kind[at])
         values = (x[index] for x in (self.kind, self.length, self.mean_strength, self.mean_fold))
-        return FeatureCurves(curves, *values, self.edge_length)
+        return FeatureCurves(curves, *values, self.edge_length, self.detail)
 
     def at_least(self, *, fold: float = 0.0, length: float = 0.0) -> FeatureCurves:
         """The curves with a mean fold of at least `fold` degrees and a length of at least `length` edges.

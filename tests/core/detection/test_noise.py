@@ -82,5 +82,5 @@ def test_the_defaults_find_the_folds_of_a_noisy_sheet_whole_and_little_else(shar
 def test_noise_on_a_plane_is_no_feature_at_the_defaults():
     v, f = surfaces.graph(110, lambda x, y: 0 * x)
     mesh = TriangleMesh.of(surfaces.noisy(v, 0.002), f)
-    assert len(detect(mesh, parameters=DetectionParameters(noise=0))) > 50
-    assert len(detect(mesh)) == 0
+    assert len(detect(mesh, parameters=DetectionParameters(noise=0, detail=0.7))) > 50
+    assert len(detect(mesh)) == len(detect(mesh, detail=0.7)) == 0

@@ -45,7 +45,7 @@ def test_crest_segments_equal_the_loop_version(seed):
     v, f, _ = surfaces.folded_sheet(14, 2, 60, seed=seed)
     mesh = TriangleMesh.of(v, f)
     field = curvature(mesh, 0.8 * mesh.edge_length)
-    lines, sound = crest_lines(mesh, field, 0, 0.0)
+    lines, sound, _ = crest_lines(mesh, field, 0, 0.0)
     found, is_sound = oracle.crest_segments(
         mesh, field.high, field.low, field.high_direction, field.high_slope, _PROMINENT, _DOMINANT, field.width,
         field.points,
