@@ -19,6 +19,10 @@ lengths within which motions are one."""
 SHARE, CLOSED_SHARE = 0.75, 0.5
 """Share of the support that a root must keep, and the first power of a rotation that closes a circle."""
 
+CLOSE = 0.02, 0.06
+"""Shares of a step by which a rotation that closes a circle may be off: at all, and where the closed one explains no
+less."""
+
 DISTINCT, ROWS, LIFT, MUTUAL = 0.25, 0.3, 1.35, 0.4
 """Share of its support by which a motion must stand out from those beside it (on a scan straight jambs and mouldings,
 which support slides as well, are most of the length); share of the better supported generator's support that the
@@ -240,7 +244,9 @@ class _Finder:
             seen = seen > max(2 * self.chance, 0.3 * seen.max(initial=0))
             # A power and its inverse are one fact; what an open arc does not show are the powers half way round.
             seen = seen[(order - 1) // 4 : order - 1 - (order - 1) // 4]
-            if order > 1 and seen.mean() >= 0.6 and self.motion_of(twist[None] - snapped[None])[0, 0] < 0.02 * size:
+            off = self.motion_of(twist[None] - snapped[None])[0, 0] / size
+            near = off < CLOSE[0] or (off < CLOSE[1] and self.gains(twist, snapped))
+            if order > 1 and seen.mean() >= 0.6 and near:
                 closed, twist = True, snapped
         k = np.arange(1, (order - 1 if closed else most) + 1)
         support = self.screen.score(exponential(twist * k[:, None]))
@@ -255,7 +261,16 @@ class _Finder:
         # Steps are counted on until three in a row are missing: a motion far out may agree by chance.
         gaps = np.diff(np.concatenate([[0], k[seen], [most + 4]]))
         count = int(np.concatenate([[0], k[seen]])[np.flatnonzero(gaps > 3)[0]]) if len(gaps) else 0
-        return twist, count, False, float(2 * support[:count][seen[:count]].sum())
+        # Beyond half a turn a power is the inverse of another one, and would count twice.
+        once = seen & (k * np.linalg.norm(twist[:3]) <= np.pi) if kind == "rotation" else seen
+        return twist, count, False, float(2 * support[:count][once[:count]].sum())
+
+    def gains(self, twist, other):
+        """Whether the first powers of another twist explain as much as those of the given one: rings of roundels, which
+        turn in their places, and ornaments that are round leave a step that is some degrees off."""
+        k = np.arange(1, max(2, int(np.pi / np.linalg.norm(other[:3]))) + 1)[:, None]
+        here, there = (self.screen.score(exponential(t * k)).sum() for t in (twist, other))
+        return there >= here
 
     def average(self, motions, k, support, kind):
         """The twist whose powers k come nearest to the motions: least squares over log motion = k twist."""

@@ -24,8 +24,8 @@ FOLDER = Path(__file__).resolve().parents[1] / "docs" / "detection"
 COLOURS = ("#c0392b", "#1f5fa8", "black", "0.7")
 PARTS = {"low": (0.0, 2.9, 0.0, 2.75), "rosette": (1.1, 4.5, 4.75, 8.0)}
 PICTURES = [
-    ("detail", "low", (0.3, 0.7, 1.5, 3.0)),
-    ("strong_fold", "rosette", (5.0, 15.0, 40.0, 70.0)),
+    ("detail", "low", (0.0, 0.3, 1.5, 3.0)),
+    ("strong_fold", "rosette", (7.0, 20.0, 45.0, 75.0)),
     ("noise", "low", (0.0, 3.0, 5.0, 8.0)),
     ("junction", "rosette", (0.0, 2.0, 4.0, 8.0)),
     ("bridge", "low", (0.0, 3.0, 6.0, 12.0)),
@@ -51,7 +51,7 @@ def main(arguments) -> None:
     for name, part, values in PICTURES:
         figure, row = plt.subplots(1, len(values), figsize=(3 * len(values), 3.1), layout="constrained")
         for axes, value in zip(row, values):
-            parameters = replace(DetectionParameters(detail=1.0), **{name: value})
+            parameters = replace(DetectionParameters(), **{name: value})
             if name == "strong_fold":
                 parameters = replace(parameters, weak_fold=min(parameters.weak_fold, value), noise=0.0)
             if name == "noise":

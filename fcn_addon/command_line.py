@@ -77,7 +77,7 @@ def _detect(parts, parameters, kinds, terminal):
             found = scans.detect(part, parameters, kinds, terminal.progress)
             terminal.say(
                 f"{part.name}: {len(found.found)} feature curves on {found.faces} faces, "
-                f"edge length {found.edge_length:.4g}"
+                f"edge length {found.edge_length:.4g}, smoothed by {found.found.detail:.2g} of it"
             )
             detected.append(found)
             part = found.reading

@@ -22,7 +22,7 @@ class DetectionParameters:
     Each field's metadata holds ``unit``, ``help`` (plain words) and the inclusive bounds ``low`` and ``high``.
     """
 
-    detail: float = _value(0.0, EDGES, "smoothing scale: what is finer is taken for noise; 0 lets the scan decide", 0.0, 20)
+    detail: float = _value(0.0, EDGES, "smoothing scale: finer is taken for noise; 0: the scan decides", 0.0, 20)
     strong_fold: float = _value(20.0, DEGREES, "a curve must somewhere be as sharp as a fold by this angle", 0, 180)
     weak_fold: float = _value(7.0, DEGREES, "a curve goes on while it is as sharp as a fold by this angle", 0, 180)
     noise: float = _value(5.0, FACTOR, "a curve must be this many times as sharp as the noise makes a plane", 0, 100)

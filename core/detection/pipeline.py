@@ -177,7 +177,8 @@ def _collected(found, kinds, mesh, field) -> FeatureCurves:
     closed = np.concatenate([c.closed for _, _, c in parts])
     offsets = np.r_[0, np.cumsum(sizes)].astype(np.int64)
     curves = Curves(points, offsets, closed, strength, normals=normals, kind=np.repeat(kind, sizes))
-    found = FeatureCurves(curves, kind, length, mean_strength, mean_fold, mesh.edge_length, field.scale / mesh.edge_length)
+    h = mesh.edge_length
+    found = FeatureCurves(curves, kind, length, mean_strength, mean_fold, h, field.scale / h)
     return found.select(np.lexsort((kind, -length)))
 
 

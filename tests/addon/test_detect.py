@@ -129,7 +129,7 @@ def test_a_scan_is_measured_once_until_it_is_edited(bpy, part, scan, monkeypatch
     settings = bpy.context.scene.fcn.detection
     for change, expected in (
         (lambda: None, 1),
-        (lambda: setattr(settings, "strong_fold", np.radians(20)), 1),
+        (lambda: setattr(settings, "strong_fold", np.radians(15)), 1),
         (lambda: setattr(settings, "detail", 1.2), 2),
         (lambda: scan.data.vertices[5].co.__setitem__(2, 0.3), 3),
         (lambda: setattr(scan, "location", (0, 0, 0)), 4),
@@ -277,7 +277,7 @@ def test_scans_as_they_come_give_the_same_curves(bpy, scan, change):
 
 def test_parameters_that_contradict_each_other(bpy, scan):
     bpy.context.scene.fcn.detection.weak_fold = np.radians(40)
-    with pytest.raises(RuntimeError, match="weak_fold is 40: give at most strong_fold, 15"):
+    with pytest.raises(RuntimeError, match="weak_fold is 40: give at most strong_fold, 20"):
         bpy.ops.fcn.detect()
 
 

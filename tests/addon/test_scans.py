@@ -104,7 +104,7 @@ def test_the_parameters_of_detection_are_taken(folder, fcn):
         code, said = fcn("scan.ply", "--detect-only", "--detail", detail, "--min_length", "30", "--report", "d.json")
         assert code == 0, said
         report = load("d.json")
-        assert report["parameters"]["detail"] == float(detail)
+        assert report["parameters"]["detail"] == report["scans"][0]["detail"] == float(detail)
         assert min(c["length"] for c in report["curves"]) >= 30 * report["scans"][0]["edge_length"]
         lengths.append(report["scans"][0]["length"])
     assert lengths[0] != lengths[1]
@@ -159,7 +159,7 @@ CASES = [
     (["plane.ply"], "plane.ply: no feature curve is found; lower strong_fold"),
     (["scan.ply", "--no-ridges", "--no-valleys"], "no kind of feature curve is asked for"),
     (["scan.ply", "--detail", "-1"], "detail is -1.0: give a number from 0 to 20 (edge lengths)"),
-    (["scan.ply", "--weak-fold", "20"], "weak_fold is 20: give at most strong_fold, 15"),
+    (["scan.ply", "--weak-fold", "30"], "weak_fold is 30: give at most strong_fold, 20"),
     (["scan.ply", "lines.obj", "--detect-only"], "--detect-only is for scans"),
     (["scan.ply", "--take-edges"], "no edges or lines of its own"),
     (["scan.ply", "--out", "scan.ply"], "--out writes a .blend file"),
@@ -191,5 +191,5 @@ def test_bad_scans_are_one_line_exit_code_2_and_no_file(folder, fcn, arguments, 
 def test_help_explains_detection(part, capsys):
     assert part("fcn_addon.command_line").main(["--help"]) == 0
     text = " ".join(capsys.readouterr().out.split())
-    for words in ("--detail N", "--detect-only", "--no-ridges", "--boundary", "--strong-fold", "[degrees, default 15]"):
+    for words in ("--detail N", "--detect-only", "--no-ridges", "--boundary", "--strong-fold", "[degrees, default 20]"):
         assert words in text

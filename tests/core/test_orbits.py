@@ -99,6 +99,30 @@ def test_a_rotation_with_a_gap_still_closes_and_an_arc_does_not(rng):
     assert (lead.kind, lead.closed, lead.count[0]) == ("rotation", False, 5)
 
 
+@pytest.mark.parametrize("seed", [0, 5])
+def test_a_ring_of_broken_roundels_closes_though_they_turn_in_their_places(seed):
+    rng = np.random.default_rng(seed)
+    arcs = []
+    for angle in 2 * np.pi * np.arange(8) / 8:
+        for radius in (8.0, 4.5):
+            c = shapes.circle(radius, (50 * np.cos(angle), 50 * np.sin(angle), 0))
+            c = np.roll(c, rng.integers(len(c)), axis=0)[: int(0.4 * len(c))]
+            arcs.append(c + 0.8 * rng.normal(size=c.shape) * [1, 1, 0.3])
+    net = shapes.network(arcs, smoothing=1.0)
+    off = [naive.about([0, 0, 1], np.radians(angle), [0.8, -0.5, 0]) for angle in (43.1, 86.4, 129.5)]
+    lead = found_in(net, *off)[0]
+    assert (lead.kind, lead.closed, lead.count[0]) == ("rotation", True, 7)
+
+
+def test_an_arc_beyond_half_a_turn_counts_every_motion_once(rng):
+    step = naive.about([0, 0, 1], np.radians(38), [0, 0, 0])
+    net = scene(rng, [m @ naive.rigid(shift=[60, 0, 0]) for m in powers(step, range(7))])
+    lead = found_in(net, step)[0]
+    assert (lead.kind, lead.closed, lead.count[0]) == ("rotation", False, 6)
+    upto_half = Screen(net, radius=2.0).score(lead.power(np.arange(1, 5)[:, None]))
+    assert lead.support == pytest.approx(2 * upto_half.sum())
+
+
 @pytest.mark.parametrize("second", [(0, 50, 0), (20, 45, 0), (-14, 38, 12)], ids=str)
 @pytest.mark.parametrize("missing", [(), ((1, 1),), ((0, 2), (3, 1))], ids=str)
 def test_a_grid_has_both_steps(rng, second, missing):
@@ -183,3 +207,20 @@ def test_powers_of_an_orbit():
     turn = Orbit("rotation", np.array([[0, 0, np.pi / 3, 0, 0, 0]]), np.array([5]), True, 1.0)
     for k, m in zip(turn.powers[:, 0], turn.power(turn.powers)):
         assert np.allclose(m[:3, :3], naive.turn([0, 0, 1], k * np.pi / 3))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_what_chances_to_recur_both_ways_makes_no_grid(seed):
+    """A row of seven, and things of which each is there twice: one step up and some steps along the row, or none."""
+    rng = np.random.default_rng(seed)
+    step, up = np.array([42.0, 0, 0]), np.array([0, 55.0, 0])
+    thing = shapes.ornament(rng, 4)
+    curves = [c + i * step for i in range(7) for c in thing]
+    for j in (0, 0, 0, 1, -1, 0, 2, -2, 1):
+        for c in shapes.ornament(rng, 2):
+            at = c + [rng.uniform(0, 200), 10, 40.0]
+            curves += [at, at + up + j * step]
+    net = shapes.network(curves)
+    orbits = found_in(net, *[naive.rigid(shift=v) for v in (step, 2 * step, *(up + j * step for j in range(-2, 3)))])
+    assert orbits[0].kind == "translation" and same(net, orbits[0].generators[0], naive.rigid(shift=step))
+    assert {o.kind for o in orbits[1:]} == {"single"}

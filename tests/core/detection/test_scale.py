@@ -70,5 +70,6 @@ def test_fine_ornament_keeps_its_place():
     v, f = surfaces.graph(100, lambda x, y: 0.03 * np.exp(-(((np.abs(x) - 0.04) / 0.012) ** 2)), jitter=0.1)
     mesh = TriangleMesh.of(v, f)
     found = detect(mesh)
-    at = sorted(np.median(found.curves.curve(i)[:, 0]) for i in np.flatnonzero(found.kind == 0) if found.length[i] > 1.5)
+    ridges = np.flatnonzero((found.kind == 0) & (found.length > 1.5))
+    at = sorted(np.median(found.curves.curve(i)[:, 0]) for i in ridges)
     assert at == pytest.approx([-0.04, 0.04], abs=0.5 * mesh.edge_length)
