@@ -104,14 +104,17 @@ def best_pairs(pairs: np.ndarray, cost: np.ndarray, count: int) -> np.ndarray:
 
 
 def linked(
-    lines: Lines, surface: Surface, curvature: Curvature, *, gap: float, turn: float, tick=lambda: None
-) -> Lines:
+    lines: Lines, surface: Surface, curvature: Curvature, *, gap: float, turn: float, value=None, least=0.0,
+    tick=lambda: None,
+) -> Lines:  # fmt: skip
     """Lines with the gaps between pieces that continue each other bridged by points on the surface.
 
     Parameters
     ----------
     gap : scene units
     turn : radians
+    value : (n,) float64, the curvature of the lines' kind, None asks for nothing
+    least : radians, the fold that it must stand for on average along a bridge
     """
     h = surface.mesh.edge_length
     pieces = lines.chains()
@@ -122,10 +125,10 @@ def linked(
     tick()
     if not len(pairs):
         return lines
-    return _bridged(lines, pieces, surface, curvature, ends, pairs, tick)
+    return _bridged(lines, pieces, surface, curvature, ends, pairs, value, least, tick)
 
 
-def _bridged(lines, pieces, surface, curvature, ends, pairs, tick) -> Lines:
+def _bridged(lines, pieces, surface, curvature, ends, pairs, value, least, tick) -> Lines:
     """Points about every edge length along a cubic between the two ends, brought onto the surface."""
     h = surface.mesh.edge_length
     a, b = pairs.T
@@ -151,8 +154,12 @@ def _bridged(lines, pieces, surface, curvature, ends, pairs, tick) -> Lines:
     def mix(values):
         return np.einsum("ij,ij...->i...", weight, values[corner])
 
-    strength = mix(curvature.strength)
-    fold = fold_angle(strength, mix(curvature.width), h)
+    strength, width = mix(curvature.strength), mix(curvature.width)
+    fold = fold_angle(strength, width, h)
+    if value is not None:
+        # two things that face each other across a flat wall are no one line
+        bent = np.bincount(link, fold_angle(mix(value), width, h), len(pairs)) / np.maximum(inner, 1)
+        good[(inner > 1) & (bent < least)] = False
     first = len(lines.points)
     before = np.where(step == 1, ends.node[a][link], first + np.arange(len(link)) - 1)
     ending = step == inner[link]
