@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from core.detection import TriangleMesh
+from core.detection.extremality import fold_angle
 from core.detection.lines import Lines
 from core.detection.linking import best_pairs, linked
 from core.detection.merging import without_doubles, without_spurs
@@ -48,6 +49,20 @@ def joined(lines, plane, gap=2.0, turn=0.7):
 def test_pieces_in_a_row_are_joined_up_to_the_gap(plane):
     assert len(joined(lines_of(row(-6, 0), row(1.75, 7)), plane)) == 1
     assert len(joined(lines_of(row(-6, 0), row(2.25, 7)), plane)) == 2
+
+
+def test_only_a_surface_that_is_bent_their_way_joins_pieces(plane):
+    mesh, field = plane
+    pieces, surface = lines_of(row(-6, 0), row(1.75, 7)), Surface(mesh)
+    fold = fold_angle(np.ones(len(mesh.vertices)), field.width, mesh.edge_length)
+    options = {"gap": 2.0, "turn": 0.7, "least": 0.2}
+    for bend, pieces_left in ((0.15, 2), (0.25, 1), (-0.5, 2), (0.0, 2)):
+        value = bend / fold
+        found = linked(pieces, surface, field, value=value, **options).chains()
+        assert len(found) == pieces_left
+    # bent in the middle only, but enough on average
+    middle = np.abs(mesh.vertices[:, 0] - 0.875) < 0.5
+    assert len(linked(pieces, surface, field, value=np.where(middle, 1.0, 0) / fold, **options).chains()) == 1
 
 
 def test_the_bridge_lies_on_the_surface(plane):
