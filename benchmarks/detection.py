@@ -120,8 +120,8 @@ def under_noise():
             extra = len(found) - sum(pieces)
             relative = share * np.linalg.norm(np.ptp(v, axis=0)) / mesh.edge_length
             print(
-                f"  sheet {100 * share:5.2f}% ({relative:4.2f} edges) detail {found.detail:.2f}: {np.mean(pieces):5.2f} pieces, "
-                f"{np.mean(seen):.3f} of the length, {extra} curves that are none"
+                f"  sheet {100 * share:5.2f}% ({relative:4.2f} edges) detail {found.detail:.2f}: "
+                f"{np.mean(pieces):5.2f} pieces, {np.mean(seen):.3f} of the length, {extra} curves that are none"
             )
 
 

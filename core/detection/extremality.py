@@ -108,7 +108,8 @@ def crest_lines(
     normals = between(curvature.normals)
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
     sound = maximal & (strength > _DOMINANT * np.abs(other))
-    lines = Lines(between(mesh.vertices), normals, strength, between(fold), segments)
+    largest = np.maximum(np.abs(strength), np.abs(other))  # on a faint stretch the line's own may have the wrong sign
+    lines = Lines(between(mesh.vertices), normals, largest, between(fold), segments)
     return lines, sound, np.where(share < 0.5, i, j)
 
 
