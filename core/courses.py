@@ -26,9 +26,10 @@ GAP, TURN, FOLLOW, MOSTLY = 4.0, 0.85, 6.0, 0.65
 samples (no two cells of a real building are quite the same), and the share of a course that samples must show."""
 
 
-STRAIGHT, LEAST, HIDDEN, FEWEST = 0.9, 0.3, 0.25, 3
+STRAIGHT, LEAST, HIDDEN, PARTLY, FEWEST, BY_CHANCE = 0.9, 0.3, 0.25, 0.5, 3, 1e-3
 """Share of a curve that must run along a motion for it to be a piece of a course with holes, the share of a step that
-it must fill, the share of what is typical below which cells do not show a point, and fewest cells that can tell."""
+it must fill, the shares of what is typical below which cells do not show a point and below which a row of them does not
+show all, fewest cells that can tell, and the probability below which it is no chance that holes hide a place in all."""
 
 
 @dataclass(frozen=True)
@@ -69,11 +70,11 @@ def find_courses(network: CurveNetwork, orbit: Orbit, draft: Draft, free, *, rad
         if axis is None:
             continue
         rows = [(keys, _chain(orbit, line, keys)) for keys in _rows(draft, c, axis, orbit)]
-        part = _shown_part(network, tree, samples, rows, orbit, axis, line, radius)
-        if part is not None:
+        part, rows = _shown_part(network, tree, samples, rows, orbit, axis, line, radius)
+        if part is None or not len(part):
+            taken.append(c)
+        else:
             curves[c] = curve if whole else part
-            continue
-        taken.append(c)
         for keys, path in rows:
             round_ = orbit.closed and len(keys) > orbit.count[axis]
             courses += _shown_parts(network, tree, samples, path, round_, len(line), radius, shortest)
@@ -106,27 +107,52 @@ def _slipping(orbit: Orbit, curve):
 
 
 def _shown_part(network, tree, samples, rows, orbit, axis, line, radius):
-    """The part of one step of a course that cells show, or None where they show all of it."""
-    if not rows:
-        return None
+    """The part of one step of a course that cells show, None where they show all of it; and the rows of courses.
+
+    Most of the cells must be in rows that have a gap. Rows that show all are courses even so: a cornice may lie where
+    the sills of another row of windows would be.
+    """
     seen = [_seen(network, tree, samples, path, radius).reshape(len(keys), len(line)) for keys, path in rows]
     # The first and the last cell of an open row are there to find out where it ends.
-    share = np.concatenate(seen if orbit.closed else [row[1:-1] for row in seen])
-    if len(share) < FEWEST:
-        return None
-    share = share.mean(axis=0)
-    hidden = share < HIDDEN * np.median(share[share > 0]) if share.any() else np.ones(len(line), bool)
-    # Longest run of what is hidden, round the end of the step.
+    seen = [row if orbit.closed else row[1:-1] for row in seen]
+    told = [row for row in seen if len(row) >= FEWEST]
+    if not told and sum(map(len, seen)) >= FEWEST:
+        told = [np.concatenate(seen)]
+    gaps = [(row, gap) for row in told if (gap := _hidden(row)) is not None]
+    if 2 * sum(len(row) for row, _ in gaps) <= sum(map(len, told)):
+        return None, rows
+    # Rows may have gaps in other places; the place is the one where most have theirs.
+    place = np.argmax(sum(len(row) * gap for row, gap in gaps))
+    mine = [(row, gap) for row, gap in gaps if gap[place]]
+    gap = _hidden(np.concatenate([row for row, _ in mine]), GAP)
+    gap = max((gap for _, gap in mine), key=np.sum) if gap is None else gap
+    start = int(np.argmax(~gap & np.roll(gap, 1)))
+    g = orbit.generators[axis]
+    both = np.concatenate([line, line @ g[:3, :3].T + g[:3, 3]])
+    whole = [len(row) >= FEWEST and _hidden(row, GAP, PARTLY) is None for row in seen]
+    return both[start : start + len(line) - gap.sum()], [row for row, has_all in zip(rows, whole) if has_all]
+
+
+def _hidden(seen, least=None, below=HIDDEN):
+    """(n,) bool, the longest run of the points of a step, round its end, that the cells (a, n) do not show, or None.
+
+    least : shortest run; None asks for twice `GAP` where holes may hide a place in all cells by chance
+    below : share of what is typical that cells must show
+    """
+    share = seen.mean(axis=0)
+    typical = np.median(share[share > 0]) if share.any() else 0.0
+    if least is None:
+        least = GAP if (1 - typical) ** len(seen) < BY_CHANCE else 2 * GAP
+    hidden = share < below * typical if typical else np.ones(len(share), bool)
     turn = int(np.argmin(hidden))
     ring = np.concatenate([[False], np.roll(hidden, -turn), [False]])
     begin, end = np.flatnonzero(~ring[:-1] & ring[1:]), np.flatnonzero(ring[:-1] & ~ring[1:])
-    if not len(begin) or (end - begin).max() < 2 * GAP:
+    if not len(begin) or (end - begin).max() < least:
         return None
     k = int(np.argmax(end - begin))
-    g = orbit.generators[axis]
-    both = np.concatenate([line, line @ g[:3, :3].T + g[:3, 3]])
-    start = (turn + end[k]) % len(line)
-    return both[start : start + len(line) - (end[k] - begin[k])]
+    run = np.zeros(len(share), bool)
+    run[begin[k] : end[k]] = True
+    return np.roll(run, turn)
 
 
 def _rows(draft: Draft, curve, axis, orbit: Orbit):

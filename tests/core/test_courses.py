@@ -269,3 +269,27 @@ def test_a_piece_whose_gap_is_shown_is_a_course(rng):
     assert taken.tolist() == [0]
     assert naive.length(course.points) == pytest.approx(6 * np.linalg.norm(STEP), abs=2 * REACH)
     assert course.support > 0.9
+
+
+def test_a_short_gap_that_many_cells_have_is_no_hole(rng):
+    net, orbit, line, keys = sills(rng, length=20, gap_shown=False, cells=range(8))
+    draft = draft_of(net, orbit, [shapes.to_frame(net, line)], keys)
+    courses, left = find_courses(net, orbit, draft, np.ones(len(net.points), bool), radius=RADIUS, shortest=SHORTEST)
+    assert courses == [] and len(left.curves[0]) == pytest.approx(20, abs=2 * RADIUS)
+
+
+def test_a_cornice_over_rows_of_sills_is_a_course_and_they_are_none(rng):
+    up = np.array([0, 45.0, 0])
+    line = shapes.line(int(np.linalg.norm(STEP)) + 1, [0, -20, 0], WAY)
+    keys = np.array([(k, row) for k in range(6) for row in range(3)])
+    curves = [c + k * STEP + row * up + [15, 0, 6] for k, row in keys for c in shapes.ornament(rng, 2)]
+    curves += [(line if row == 2 else line[:20]) + k * STEP + row * up for k, row in keys]
+    net = shapes.network([c + 0.2 * rng.normal(size=c.shape) for c in curves], smoothing=1.0)
+    orbit = shapes.orbit(net, "grid", [naive.rigid(shift=STEP), naive.rigid(shift=up)], [5, 2])
+    draft = draft_of(net, orbit, [shapes.to_frame(net, line)], keys)
+    (course,), left = find_courses(net, orbit, draft, np.ones(len(net.points), bool), radius=RADIUS, shortest=SHORTEST)
+    height = net.to_world(course.points) - 2 * up
+    assert naive.length(course.points) == pytest.approx(6 * np.linalg.norm(STEP), abs=2 * REACH)
+    away = np.linalg.norm(np.cross(height - line[0], STEP / np.linalg.norm(STEP)), axis=1)
+    assert away.max() < 1
+    assert len(left.curves) == 1 and len(left.curves[0]) == pytest.approx(20, abs=2 * RADIUS)
