@@ -21,15 +21,17 @@ from .rigid import exponential
 from .rows import distinct_rows
 from .support import slips
 
-GAP, TURN, FOLLOW, MOSTLY = 4.0, 0.85, 6.0, 0.65
+GAP, TURN, FOLLOW, AHEAD, MOSTLY = 4.0, 0.85, 6.0, 1.0, 0.65
 """Edge lengths and cosine within which a piece goes on as its own image, edge lengths over which a course follows the
-samples (no two cells of a real building are quite the same), and the share of a course that samples must show."""
+samples (no two cells of a real building are quite the same), those within which a sample is beside a point and not
+ahead of it, and the share of a course that samples must show."""
 
 
 STRAIGHT, LEAST, HIDDEN, PARTLY, FEWEST, BY_CHANCE = 0.9, 0.3, 0.25, 0.5, 3, 1e-3
 """Share of a curve that must run along a motion for it to be a piece of a course with holes, the share of a step that
 it must fill, the shares of what is typical below which cells do not show a point and below which a row of them does not
-show all, fewest cells that can tell, and the probability below which it is no chance that holes hide a place in all."""
+show all, or hardly anything, fewest cells that can tell, and the probability below which it is no chance that holes
+hide a place in all."""
 
 
 @dataclass(frozen=True)
@@ -112,45 +114,86 @@ def _shown_part(network, tree, samples, rows, orbit, axis, line, radius):
     Most of the cells must be in rows that have a gap. Rows that show all are courses even so: a cornice may lie where
     the sills of another row of windows would be.
     """
-    seen = [_seen(network, tree, samples, path, radius).reshape(len(keys), len(line)) for keys, path in rows]
-    # The first and the last cell of an open row are there to find out where it ends.
-    seen = [row if orbit.closed else row[1:-1] for row in seen]
+    seen = [_Row.of(network, tree, samples, orbit, keys, path, radius) for keys, path in rows]
     told = [row for row in seen if len(row) >= FEWEST]
+    # A row that hardly shows the curve does not tell where it ends.
+    best = max((row.typical for row in told), default=0.0)
+    told = [row for row in told if row.typical >= PARTLY * best]
     if not told and sum(map(len, seen)) >= FEWEST:
-        told = [np.concatenate(seen)]
-    gaps = [(row, gap) for row in told if (gap := _hidden(row)) is not None]
+        told = [_Row.together(seen)]
+    gaps = [(row, gap) for row in told if (gap := row.gap()) is not None]
     if 2 * sum(len(row) for row, _ in gaps) <= sum(map(len, told)):
         return None, rows
     # Rows may have gaps in other places; the place is the one where most have theirs.
     place = np.argmax(sum(len(row) * gap for row, gap in gaps))
     mine = [(row, gap) for row, gap in gaps if gap[place]]
-    gap = _hidden(np.concatenate([row for row, _ in mine]), GAP)
+    gap = _Row.together([row for row, _ in mine]).gap()
     gap = max((gap for _, gap in mine), key=np.sum) if gap is None else gap
     start = int(np.argmax(~gap & np.roll(gap, 1)))
     g = orbit.generators[axis]
     both = np.concatenate([line, line @ g[:3, :3].T + g[:3, 3]])
-    whole = [len(row) >= FEWEST and _hidden(row, GAP, PARTLY) is None for row in seen]
-    return both[start : start + len(line) - gap.sum()], [row for row, has_all in zip(rows, whole) if has_all]
+    return both[start : start + len(line) - gap.sum()], [keys for keys, row in zip(rows, seen) if row.shows_all()]
 
 
-def _hidden(seen, least=None, below=HIDDEN):
-    """(n,) bool, the longest run of the points of a step, round its end, that the cells (a, n) do not show, or None.
+@dataclass(frozen=True)
+class _Row:
+    """What the cells of a row show of one step of a course.
 
-    least : shortest run; None asks for twice `GAP` where holes may hide a place in all cells by chance
-    below : share of what is typical that cells must show
+    seen : (a, n) bool, points that samples lie along; beside : (a, n) bool, those that a curve runs beside, as where
+    no two cells are quite the same
     """
-    share = seen.mean(axis=0)
-    typical = np.median(share[share > 0]) if share.any() else 0.0
-    if least is None:
-        least = GAP if (1 - typical) ** len(seen) < BY_CHANCE else 2 * GAP
-    hidden = share < below * typical if typical else np.ones(len(share), bool)
+
+    seen: np.ndarray
+    beside: np.ndarray
+
+    @classmethod
+    def of(cls, network, tree, samples, orbit, keys, path, radius):
+        # The first and the last cell of an open row are there to find out where it ends.
+        inner = slice(None) if orbit.closed else slice(1, -1)
+        seen = _seen(network, tree, samples, path, radius)
+        beside = seen | _beside(network, tree, samples, path)
+        return cls(*(x.reshape(len(keys), -1)[inner] for x in (seen, beside)))
+
+    @classmethod
+    def together(cls, rows):
+        return cls(*(np.concatenate([getattr(row, name) for row in rows]) for name in ("seen", "beside")))
+
+    def __len__(self):
+        return len(self.seen)
+
+    @property
+    def typical(self) -> float:
+        """Share of the cells that show a point of the course which is shown at all."""
+        share = self.seen.mean(axis=0)
+        return float(np.median(share[share > 0])) if share.any() else 0.0
+
+    def gap(self):
+        """(n,) bool, the points of the gap that the cells have in common, or None.
+
+        Of few cells one may have a hole where the next one has; in many no hole is at the same place, and a short gap
+        is one, too, unless curves run beside it.
+        """
+        gap = _longest(self.seen.mean(axis=0) < HIDDEN * self.typical, 2 * GAP)
+        if gap is None and (1 - self.typical) ** len(self) < BY_CHANCE:
+            gap = _longest(self.beside.mean(axis=0) < HIDDEN * self.typical, GAP)
+        return gap
+
+    def shows_all(self) -> bool:
+        few = self.beside.mean(axis=0) < PARTLY * self.typical
+        return len(self) >= FEWEST and self.gap() is None and _longest(few, GAP) is None
+
+
+def _longest(hidden, least):
+    """(n,) bool, the longest run of flags of a ring (n,) bool, or None where it is shorter than `least`."""
+    if hidden.all():
+        return hidden
     turn = int(np.argmin(hidden))
     ring = np.concatenate([[False], np.roll(hidden, -turn), [False]])
     begin, end = np.flatnonzero(~ring[:-1] & ring[1:]), np.flatnonzero(ring[:-1] & ~ring[1:])
     if not len(begin) or (end - begin).max() < least:
         return None
     k = int(np.argmax(end - begin))
-    run = np.zeros(len(share), bool)
+    run = np.zeros(len(hidden), bool)
     run[begin[k] : end[k]] = True
     return np.roll(run, turn)
 
@@ -210,3 +253,14 @@ def _seen(network, tree, samples, path, radius):
     found = np.isfinite(distance)
     lines = network.tangents[samples[np.where(found, near, 0)]]
     return (found & (np.abs((lines * directions(path)[:, None]).sum(-1)) > 0.75)).any(axis=1)
+
+
+def _beside(network, tree, samples, path):
+    """(k,) bool, points of a path that lie beside samples that run as it does on the whole, and not ahead of them."""
+    distance, near = tree.query(path, k=24, distance_upper_bound=FOLLOW, workers=-1)
+    found = np.isfinite(distance)
+    index = samples[np.where(found, near, 0)]
+    lines, way = network.tangents[index], directions(smooth_polyline(path, 2 * FOLLOW, False))[:, None]
+    found &= np.abs((lines * way).sum(-1)) > 0.75
+    ahead = ((network.points[index] - path[:, None]) * lines).sum(-1)
+    return (found & (np.abs(ahead) <= AHEAD)).any(axis=1)
