@@ -64,9 +64,9 @@ TRIES = 8
 def curve_affinities(network: CurveNetwork, orbit: Orbit, screen: Screen, *, t):
     """Average Feature BLAST affinity of every curve under a transformation, summed over its recurrences.
 
-    Returns (m,) float64; (n,) int64, the recurrences that show each sample, and the length of all samples that do not
-    slip along one that shows them. The motion being given, a match is
-    an unbroken stretch of samples on the network; its samples have affinity l exp(-d / (0.5 t)), others 0.
+    Returns (m,) float64; (n,) int64, the recurrences that show each sample; and the length of the samples that some
+    recurrence shows and that do not slip along it. The motion being given, a match is an unbroken stretch of samples
+    on the network; its samples have affinity l exp(-d / (0.5 t)), others 0.
     What motions a little beside explain is chance and is taken off: else many recurrences, each explaining a
     little by chance, would add up to an explanation. What slips along the motions tells nothing for them.
     """
