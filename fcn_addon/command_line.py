@@ -118,7 +118,7 @@ def _wanted(options) -> dict:
 
 
 def _edge_length(options, reading):
-    from ..core.network import estimate_edge_length
+    from ..core.network.edge_length import estimate_edge_length
 
     if options.surface:
         return mean_edge_length(*read_surface(options.surface))

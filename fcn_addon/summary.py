@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import bpy
 
 from ..core.errors import InputError
-from ..core.network import build_network, estimate_edge_length
-from ..core.strong import strong_curves
+from ..core.matching.strong import strong_curves
+from ..core.network.building import build_network
+from ..core.network.edge_length import estimate_edge_length
 
 DELAY = 0.3  # seconds of quiet before it is looked at
 LARGEST = 400_000  # vertices; above this many it waits for the button
