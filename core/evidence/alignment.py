@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..rigid import motion
+from ..geometry.motions import motion
 from .field import Field, Probe
 
 ALONG, TURN = 0.02, 0.2
@@ -82,6 +82,6 @@ def _step(points, targets, lines, hit):
 
 def turned(vectors):
     """Rotations (k, 3, 3) of rotation vectors (k, 3)."""
-    from ..rigid import exponential
+    from ..geometry.motions import exponential
 
     return exponential(np.concatenate([vectors, np.zeros_like(vectors)], axis=1))[:, :3, :3]

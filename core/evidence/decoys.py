@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..rigid import motion
+from ..geometry.motions import motion
 from .alignment import turned
 
 SHIFT, AWAY, TURN = 7.0, (7.0, 13.0), (4.0, 8.0)

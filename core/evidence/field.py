@@ -11,7 +11,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
 
-from ..network import CurveNetwork
+from ..network.network import CurveNetwork
 from ..support import FACING, NeighbourField
 
 COSINE = 0.8

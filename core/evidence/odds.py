@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..rigid import exponential, inverse, screw_velocity
+from ..geometry.motions import exponential, inverse, screw_velocity
 from .field import Field, Probe
 
 UNIT = 4.0

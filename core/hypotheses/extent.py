@@ -13,7 +13,7 @@ from scipy.spatial import cKDTree
 from ..evidence.decoys import decoys
 from ..evidence.field import Field, Probe
 from ..evidence.odds import LEAST_CHANCE, UNIT, log_odds
-from ..rigid import inverse
+from ..geometry.motions import inverse
 from .hypothesis import SPACING, Hypothesis
 
 ALONG, CHANCE_ALONG, OFF = 6.0, 10.0, 1.5

@@ -12,7 +12,7 @@ from ..evidence.alignment import align
 from ..evidence.decoys import SHIFTS, decoys
 from ..evidence.field import Field
 from ..evidence.odds import LEAST_CHANCE
-from ..rigid import inverse
+from ..geometry.motions import inverse
 from .extent import _spread, chance_of, extended
 from .hypothesis import SPACING, Hypothesis, distinct, explained, pose_scores
 from .seeding import Seeds

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..evidence.field import Field, Probe
 from ..evidence.odds import UNIT, between, log_odds, sliding
-from ..rigid import inverse
+from ..geometry.motions import inverse
 
 SPACING = 2.0
 """Edge lengths from one point of a thing to the next (count that bounds the work)."""

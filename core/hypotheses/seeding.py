@@ -16,7 +16,7 @@ from ..evidence.alignment import align
 from ..evidence.decoys import SHIFTS, decoys
 from ..evidence.field import Field
 from ..evidence.odds import LEAST_CHANCE, UNIT, log_odds, sliding
-from ..rigid import inverse
+from ..geometry.motions import inverse
 
 POINTS = 64
 """Points that stand for the neighbourhood of a seed; count that bounds the work."""

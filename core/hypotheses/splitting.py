@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 
 from ..evidence.alignment import align
 from ..evidence.field import Field
-from ..rigid import inverse
+from ..geometry.motions import inverse
 from .extent import extended
 from .growth import FREE_POSE, ORBIT_POSE, rescored, with_more_poses
 from .hypothesis import Hypothesis, distinct, relative

@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 
 from ..evidence.alignment import align, turned
 from ..evidence.field import Field
-from ..rigid import best_rotation, inverse, motion
+from ..geometry.motions import best_rotation, inverse, motion
 from .hypothesis import Hypothesis, distinct
 
 TURNS = 24
