@@ -5,7 +5,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..consolidation import condense, fit_curves, trace_curves
+from ..consolidation.averaging import condense
+from ..consolidation.consolidation import fit_curves
+from ..consolidation.tracing import trace_curves
 from .overlay import Overlay, agreement, decoys
 
 CHANCE_SHARE = 0.1

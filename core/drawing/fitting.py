@@ -6,10 +6,10 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..consolidation import settle
-from ..drafts import directions
-from ..network import CurveNetwork
-from ..rigid import apply, best_rotation, inverse, motion
+from ..consolidation.averaging import settle
+from ..geometry.polylines import directions
+from ..network.network import CurveNetwork
+from ..geometry.motions import apply, best_rotation, inverse, motion
 from .evidence import log_odds
 from .overlay import Overlay
 

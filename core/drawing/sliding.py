@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..drafts import directions
-from ..rigid import apply, inverse, screw_velocity
+from ..geometry.polylines import directions
+from ..geometry.motions import apply, inverse, screw_velocity
 
 NEIGHBOURS, SAME, MOVED, TOUCH, MOSTLY, STRAIGHT = 6, 5.0, 4.0, 3.0, 0.7, 0.97
 """Tolerances: poses around each to which motions are looked at, edge lengths (RMS) within which two motions are one,

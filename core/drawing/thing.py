@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..network import CurveNetwork
+from ..network.network import CurveNetwork
 from .choosing import Chosen, choose, connected, merged
 from .consensus import candidate_curves
 from .evidence import chances, seen_by, sightings
