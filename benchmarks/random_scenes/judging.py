@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..measures import distances, measure, sampled
+from ..measures import CLUTTER, distances, measure, sampled
 from ..scenes import EDGE_LENGTH
 
 GOALS = {
@@ -40,6 +40,7 @@ def judge(scene, document, level: str) -> dict:
         "drawn": len(points) / 2,
         "stray": float(stray.sum()) / 2,
         "samples": int(sum(map(len, scene.curves))),
+        "completable": completable(scene),
         **found_poses(scene, document),
     }
     return result | verdict(result, scene, level)
@@ -58,6 +59,26 @@ def verdict(result, scene, level) -> dict:
     else:
         rule, passed = "goals", all(reached.values())
     return {"rule": rule, "passed": bool(passed), "reached": reached, "instances_share": share}
+
+
+def completable(scene) -> float:
+    """Share of the repeated length that no input shows at one place but some input shows at another; 1 of nothing.
+
+    No method can complete more without guessing.
+    """
+    truth, of = sampled(scene.truth, EDGE_LENGTH)
+    instance = scene.truth_labels[of, 2]
+    given, given_of = sampled(scene.curves, EDGE_LENGTH / 2)
+    tree = cKDTree(given[scene.labels[given_of, 0] < CLUTTER])
+    missing = known = 0
+    for kind in np.unique(scene.pose_kind):
+        poses = scene.poses[scene.pose_kind == kind]
+        first = truth[instance == np.argmax(scene.pose_kind == kind)]
+        places = moved(first, poses @ np.linalg.inv(poses[0]))
+        seen = tree.query(places)[0] <= NEAR * EDGE_LENGTH
+        missing += int((~seen).sum())
+        known += int((~seen & seen.any(axis=0)).sum())
+    return known / missing if missing else 1.0
 
 
 def found_poses(scene, document) -> dict:
@@ -116,10 +137,14 @@ def stands_at(curves, tree, instance) -> int:
     return int(votes.argmax()) if votes.max() * 3 >= len(points) else -1
 
 
+def moved(points, motions) -> np.ndarray:
+    """(k, n, 3) float64, points (n, 3) under each motion (k, 4, 4)."""
+    return np.einsum("kij,nj->kni", motions[:, :3, :3], points) + motions[:, None, :3, 3]
+
+
 def landings(body, motions, tree, instance) -> np.ndarray:
     """(k,) int64, the instance that the body (n, 3) lies on after each motion (k, 4, 4); -1 where on none."""
-    moved = np.einsum("kij,nj->kni", motions[:, :3, :3], body) + motions[:, None, :3, 3]
-    distance, nearest = tree.query(moved)
+    distance, nearest = tree.query(moved(body, motions))
     near = distance <= NEAR * EDGE_LENGTH
     out = np.full(len(motions), -1)
     for k in range(len(motions)):

@@ -14,11 +14,12 @@ def line_of(r) -> str:
     tail = f" {r['seconds']:6.1f} s {r['peak'] / 2**20:5.0f} MB"
     if not r["measured"]:
         return head + ("not in time" if not r["in_time"] else f"no result: {r['said'].splitlines()[-1:]}") + tail
+    able = r.get("completable", 1.0)
     reached = r["reached"] if r["rule"] == "goals" else dict.fromkeys(("F", "completed", "instances"), True)
     star = {name: " " if good else "*" for name, good in reached.items()}
     return (
         head
-        + f"F {r['in_F']:.3f}>{r['out_F']:.3f}{star['F']} completed {r['completed']:.2f}{star['completed']}"
+        + f"F {r['in_F']:.3f}>{r['out_F']:.3f}{star['F']} completed {r['completed']:.2f}{star['completed']}of {able:.2f}"
         + f" instances {r['instances_90']}/{r['instances']}{star['instances']}"
         + f" poses {r['pose_recall']:.2f} {r['pose_precision']:.2f}"
         + f" templates {r['templates']} x {r['occurrences']}"
