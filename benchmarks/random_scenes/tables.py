@@ -19,7 +19,8 @@ def line_of(r) -> str:
     star = {name: " " if good else "*" for name, good in reached.items()}
     return (
         head
-        + f"F {r['in_F']:.3f}>{r['out_F']:.3f}{star['F']} completed {r['completed']:.2f}{star['completed']}of {able:.2f}"
+        + f"F {r['in_F']:.3f}>{r['out_F']:.3f}{star['F']}"
+        + f" completed {r['completed']:.2f}{star['completed']}of {able:.2f}"
         + f" instances {r['instances_90']}/{r['instances']}{star['instances']}"
         + f" poses {r['pose_recall']:.2f} {r['pose_precision']:.2f}"
         + f" templates {r['templates']} x {r['occurrences']}"
