@@ -12,6 +12,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from . import placements
+from .copies import has_copies
 from .motifs import INSIDE, LARGEST, SMALLEST, Motif, draw_motif, runs_beside, warped, zigzags
 from .placements import APART, LEAST, PLACEMENTS, shift
 from .surroundings import strong_curves
@@ -157,22 +158,31 @@ def one_beside(rng) -> Design | None:
     return design
 
 
+def unlike(rng, size, others) -> list | None:
+    """Curves of a thing of which no stretch recurs, in itself or in the others; None if that does not come about."""
+    for _ in range(20):
+        motif = draw_motif(rng, size=size, symmetric=False, parts=int(rng.integers(3, 9)), inside=UNLIKE)
+        parts = warped(motif, rng).parts
+        beside = any(runs_beside(p, [q for q in parts if q is not p]) for p in parts)
+        if not beside and not has_copies(parts, others):
+            return parts
+    return None
+
+
 def nothing(rng) -> Design | None:
-    """1 to 9 things, each of a form of its own and without symmetry."""
-    count, design = int(rng.integers(1, 10)), Design()
+    """1 to 9 things, each of a form of its own."""
+    count, design = int(rng.integers(1, 10)), None
     for _ in range(count):
         size = np.exp(rng.uniform(np.log(40), np.log(LARGEST))) if count > 2 else rng.uniform(150, LARGEST)
-        motif = draw_motif(rng, size=size, symmetric=False, parts=int(rng.integers(3, 9)), inside=UNLIKE)
-        if any("nested" in word for word in motif.words):
+        others = [curve for group in design.groups for curve in group] if design else []
+        parts = unlike(rng, size, others)
+        if parts is None:
             return None
-        thing = warped(motif, rng)
-        if any(runs_beside(p, [q for q in thing.parts if q is not p]) for p in thing.parts):
-            return None
-        lone = Design(groups=[thing.parts])
-        if design.groups:
-            design.join(lone, rng)
-        else:
+        lone = Design(groups=[parts])
+        if design is None:
             design = lone
+        else:
+            design.join(lone, rng)
     length = sum(len(c) for g in design.groups for c in g)
     return design if LENGTHS[0] <= length <= LENGTHS[1] else None
 

@@ -232,19 +232,16 @@ def centred(parts, words) -> Motif:
 
 
 def warped(motif: Motif, rng) -> Motif:
-    """The motif bent by a smooth random field, so that nothing in it is symmetric or straight.
+    """The motif with every curve bent by a smooth random field of its own: no circle, right angle or symmetry stays.
 
-    What is bent so has no curve twice, no right angle and no circle: nothing in it recurs, in itself or elsewhere.
+    One field for all would bend what is parallel alike, and it would recur.
     """
     size = motif.box.max()
-    phase, pull = rng.uniform(0, 2 * np.pi, size=(3, 3)), rng.uniform(-1, 1, size=(3, 3))
-    lean = np.eye(3) + rng.uniform(-0.15, 0.15, size=(3, 3))
     parts = []
     for part in motif.parts:
-        wave = sum(
-            np.sin(part[:, [k]] * (1.5 + k) / size * np.pi + phase[k]) * pull[k] * (0.13 * size) for k in range(3)
-        )
-        bent = (part + wave) @ lean.T
+        directions = rng.normal(size=(4, 3)) * rng.uniform(1.5, 4.5, size=(4, 1)) / size
+        phases, pulls = rng.uniform(0, 2 * np.pi, size=4), rng.normal(size=(4, 3)) * 0.05 * size
+        bent = part + np.sin(part @ directions.T + phases) @ pulls
         if np.allclose(part[0], part[-1]):
             bent[-1] = bent[0]
         parts.append(resample(bent, 1.0))

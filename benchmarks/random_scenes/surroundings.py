@@ -25,6 +25,13 @@ def cornice(rng, low, top) -> np.ndarray:
     return line((a, y, z - out), (a, y, z), (b, y, z), (b, y, z - out))
 
 
+def ledge(rng, low, top) -> np.ndarray:
+    """A straight line under or over everything; where nothing may recur, no bent ends are alike."""
+    y = low[1] - rng.uniform(6, 60) if rng.random() < 0.5 else top[1] + rng.uniform(6, 60)
+    z = rng.uniform(low[2] - 10, top[2] + 10)
+    return line((low[0] - rng.uniform(5, 60), y, z), (top[0] + rng.uniform(5, 60), y, z))
+
+
 def pilaster(rng, low, top) -> np.ndarray:
     """An upright line at one side."""
     x = low[0] - rng.uniform(6, 70) if rng.random() < 0.5 else top[0] + rng.uniform(6, 70)
@@ -79,7 +86,12 @@ def newel(rng, low, top) -> np.ndarray:
 
 
 FLAT = (cornice, cornice, cornice, pilaster, gable, ground)
-ABOUT = {"ring": (hoop, hoop, ground), "arc": (course, course, ground), "screw": (newel, course, newel)}
+ABOUT = {
+    "none": (ledge, pilaster, ground),
+    "ring": (hoop, hoop, ground),
+    "arc": (course, course, ground),
+    "screw": (newel, course, newel),
+}
 
 
 def strong_curves(rng, points, layout) -> list:
