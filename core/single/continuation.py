@@ -5,57 +5,84 @@ from __future__ import annotations
 
 import numpy as np
 from scipy.spatial import cKDTree
+from scipy.special import expit
 
 from ..network import CurveNetwork
-from .ends import Ends
+from .ends import ARM, Ends
 
 NEAREST = 16
 """Other ends that each end is asked with; bounds the work."""
-GOES_ON, CUT, SUDDEN = 0.5, 3.0, 0.1
-"""What is believed of an end that is no clutter: the chance that its curve goes on within the largest gap, the mean
-length of half of the gaps (the other half has any length), and the share that goes on in any direction."""
+GOES_ON, LOOSE, FIRM, ROUNDS = 0.3, 6.0, 10.0, 8
+"""What is believed of ends before any is seen: the share whose curve goes on within the largest gap, by how much
+continuations vary more than the noise of their arms says, what these beliefs weigh (ends); and rounds of the fit."""
+CUT, TAIL = 3.0, 3.0
+"""Mean length of half of the gaps (edge lengths; the other half has any length), and the degrees of freedom of
+Student's distribution of a continuation about what is foretold."""
+DEBUG = False
 BESIDE, COVERED = 2.0, 1.0
 """Distance (edge lengths) of a curve that runs along a gap, and the log odds that each edge of it takes."""
 
 
-def continuation(network: CurveNetwork, pieces, ends: Ends, *, noise, turning, gap):
+def continuation(network: CurveNetwork, pieces, ends: Ends, belief, *, noise, turning, gap):
     """Pairs of ends (k, 2) int64 and the log odds (k,) that a curve goes on from one to the other.
 
-    network : all curves; what runs along a gap contradicts it. noise, turning, gap : as in `ends_of`
+    network : all curves; what runs along a gap contradicts it. belief : (p,) float64, that each piece is no clutter;
+    noise, turning, gap : as in `ends_of`
+
+    Notes
+    -----
+    How many ends go on, and how loosely, is fitted to the pairs that are found (EM).
+    """
+    pair = candidates(pieces, ends, gap)
+    if not len(pair):
+        return pair, np.zeros(0)
+    i, j = pair.T
+    sway, turn, v_sway, v_turn, line, size = _foretold(ends, i, j, noise, turning)
+    chance = _directions(ends, i, j, line)
+    g = np.maximum(size, 1.0)
+    length = (np.exp(-g / CUT) / CUT + 1 / gap) / 2
+    many = np.sqrt(ends.density[i] * ends.density[j]) * 2 * g / gap**2
+    fixed = np.log(length / many) - chance + np.log(4)
+    loose, goes_on, both = LOOSE, GOES_ON, belief[i // 2] * belief[j // 2]
+    for _ in range(ROUNDS):
+        odds = fixed + np.log(goes_on) + _log_student(sway, loose * v_sway) + _log_student(turn, loose * v_turn)
+        partner, _ = matched(pair, odds, np.zeros(len(ends.tip)), len(ends.tip))
+        taken = partner[i] == j
+        w = np.where(taken, expit(odds) * both, 0.0)
+        goes_on = (2 * w.sum() + FIRM * GOES_ON) / (2 * belief.sum() + FIRM)
+        pull = _pull(sway, v_sway, loose) + _pull(turn, v_turn, loose)
+        loose = (w @ pull + FIRM * LOOSE) / (2 * w.sum() + FIRM)
+    if DEBUG: print("loose %.1f goes_on %.2f" % (loose, goes_on))
+    odds -= COVERED * covered(network, pieces, ends, i, j, size, floor=odds)
+    return pair, odds
+
+
+def _foretold(ends: Ends, i, j, noise, turning):
+    """How far pairs of ends are from what their arms foretell, and with what variance.
+
+    Returns (k, 3) sway and turn (radians), (k,) variance of each coordinate of both, (k, 3) unit lines across the gap
+    and (k,) its size.
 
     Notes
     -----
     With d from foot to foot, a and b how far the ways in and out turn off d, and a curvature that changes evenly:
     a + b = (bend_b - bend_a) |d| / 6 and b - a = (bend_a + bend_b) |d| / 2.
     """
-    pair = candidates(pieces, ends, gap)
-    i, j = pair.T
-    if not len(pair):
-        return pair, np.zeros(0)
     across = ends.foot[j] - ends.foot[i]
-    raw = np.linalg.norm(across, axis=1)
-    g = np.maximum(raw, 1.0)
-    # Where two ends touch, noise alone decides on the direction between them: it is the mean of their ways.
-    mean = ends.way[i] - ends.way[j]
-    across = across + mean * (g**2 * noise**2 / np.maximum(raw, 0.1) ** 2)[:, None].clip(0, 4)
+    size = np.linalg.norm(across, axis=1)
+    g = np.maximum(size, 1.0)
+    # Where two ends touch, noise decides on the direction between them: there it is the mean of their ways.
+    mean = (ends.way[i] - ends.way[j]) / 2
+    across = across + mean * np.clip(8 * noise**2 / np.maximum(size, 0.1), 0, 4)[:, None]
     line = across / np.maximum(np.linalg.norm(across, axis=1), 1e-9)[:, None]
     out, into = _off(ends.way[i], line), _off(-ends.way[j], line)
     bend_i, bend_j = ends.bend[i], ends.bend[j]
-    g_, drift = g[:, None], (turning / 24) ** 2
-    sway = out + into - (bend_j - bend_i) * g_ / 6
-    turn = into - out - (bend_i + bend_j) * g_ / 2
+    sway = out + into - (bend_j - bend_i) * g[:, None] / 6
+    turn = into - out - (bend_i + bend_j) * g[:, None] / 2
     v_way, v_bend = ends.v_way[i] + ends.v_way[j], ends.v_bend[i] + ends.v_bend[j]
-    v_sway = v_way + 4 * (ends.v_foot[i] + ends.v_foot[j] + noise**2) / g**2 + v_bend * g**2 / 36
-    v_turn = v_way + v_bend * g**2 / 4 + drift * g**4 / 12
-    smooth = _log_normal(sway, v_sway) + _log_normal(turn, v_turn) + np.log(4)
-    uniform = -2 * np.log(4 * np.pi)
-    goes_on = np.logaddexp(np.log1p(-SUDDEN) + smooth, np.log(SUDDEN) + uniform)
-    chance = _directions(ends, i, j, line)
-    length = GOES_ON * (np.exp(-g / CUT) / CUT + 1 / gap) / 2
-    many = np.sqrt(ends.density[i] * ends.density[j]) * 2 * g / gap**2
-    odds = goes_on - chance + np.log(length / many)
-    odds -= COVERED * covered(network, pieces, ends, i, j, raw, floor=odds)
-    return pair, odds
+    v_sway = v_way + 4 * (ends.v_foot[i] + ends.v_foot[j]) / g**2 + v_bend * g**2 / 36
+    v_turn = v_way + v_bend * g**2 / 4 + (turning / ARM) ** 2 * g**4 / 12
+    return sway, turn, v_sway, v_turn, line, size
 
 
 def candidates(pieces, ends: Ends, gap):
@@ -80,10 +107,18 @@ def _off(way, line):
     return across * (np.arctan2(size, along) / np.maximum(size, 1e-12))[:, None]
 
 
-def _log_normal(vector, variance):
-    """Log density of vectors across a line, normal in both directions; at most as wide as the sphere allows."""
+def _log_student(vector, variance):
+    """Log density of vectors across a line after Student's distribution in two dimensions; as wide as the sphere allows
+    at most."""
     variance = np.minimum(variance, 1.0)
-    return -np.log(2 * np.pi * variance) - 0.5 * (vector**2).sum(1) / variance
+    square = (vector**2).sum(1) / variance
+    return -np.log(2 * np.pi * variance) - (TAIL + 2) / 2 * np.log1p(square / TAIL)
+
+
+def _pull(vector, variance, loose):
+    """What each vector says of `loose`: half its square over its variance, far ones counting less (EM of Student)."""
+    square = (vector**2).sum(1) / (2 * variance)
+    return square * (TAIL + 2) / (TAIL + 2 * square / loose)
 
 
 def _directions(ends: Ends, i, j, line):
@@ -101,13 +136,13 @@ def _directions(ends: Ends, i, j, line):
     return total
 
 
-def covered(network: CurveNetwork, pieces, ends: Ends, i, j, raw, *, floor):
+def covered(network: CurveNetwork, pieces, ends: Ends, i, j, size, *, floor):
     """(k,) float64, length of each gap along which another curve runs; 0 where the odds are below 0 anyway."""
     result = np.zeros(len(i))
-    ask = np.flatnonzero((raw > 3) & (floor > 0))
+    ask = np.flatnonzero((size > 3) & (floor > 0))
     if not len(ask):
         return result
-    many = np.maximum(np.rint(raw[ask]).astype(np.int64) - 1, 1)
+    many = np.maximum(np.rint(size[ask]).astype(np.int64) - 1, 1)
     row = np.repeat(np.arange(len(ask)), many)
     t = (np.arange(len(row)) - np.repeat(np.cumsum(many) - many, many) + 1.0) / (many[row] + 1)
     a, b = i[ask][row], j[ask][row]
@@ -143,10 +178,12 @@ def matched(pair, odds, weakness, count):
     these speak against it
     """
     partner, worth = np.full(count, -1), np.zeros(count)
-    value = odds + weakness[pair[:, 0]] + weakness[pair[:, 1]]
-    for k in np.lexsort((pair[:, 1], pair[:, 0], -np.round(value, 6))):
+    good = np.flatnonzero(odds > 0)
+    a, b = pair[good].T
+    value = np.round(odds[good] + weakness[a] + weakness[b], 6)
+    for k in good[np.lexsort((b, a, -value))]:
         a, b = pair[k]
-        if odds[k] > 0 and partner[a] < 0 and partner[b] < 0:
+        if partner[a] < 0 and partner[b] < 0:
             partner[a], partner[b] = b, a
             worth[a] = worth[b] = odds[k]
     return partner, worth

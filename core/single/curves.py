@@ -6,6 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import expit
 
 from ..network import CurveNetwork, resample_polyline, steady_polyline
 from .chains import best_stretches, chains_of
@@ -68,7 +69,7 @@ def single_curves(network: CurveNetwork, free, parameters, *, tick=None) -> list
     how = {"noise": noise, "turning": turning, "gap": max(parameters.link_gap, 1.0)}
     ends = ends_of(parts, **how)
     tick()
-    pair, gain = continuation(network, parts, ends, **how)
+    pair, gain = continuation(network, parts, ends, expit(odds), **how)
     partner, worth = matched(pair, gain, np.minimum(np.repeat(odds, 2), 0), 2 * len(parts))
     tick()
     for chain, ring in chains_of(partner):
