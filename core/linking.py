@@ -32,18 +32,13 @@ def join_paths(paths, *, gap=6.0, angle=35.0, most=np.inf, passed=None, parted=N
     )]  # fmt: skip
 
 
-def linked_paths(paths, *, gap=6.0, angle=35.0, most=np.inf, passed=None, parted=None, forced=(), arm=None):
-    """As `join_paths`, with the indices of the paths that each chain is made of: (points, closed, list of int).
-
-    arm : samples of an end that say how it goes on; more than `ARM` where noise hides it
-    """
+def linked_paths(paths, *, gap=6.0, angle=35.0, most=np.inf, passed=None, parted=None, forced=()):
+    """As `join_paths`, with the indices of the paths that each chain is made of: (points, closed, list of int)."""
     if not paths:
         return []
-    arm = ARM if arm is None else arm
     tip = np.concatenate([[p[0], p[-1]] for p in paths])
-    curved = arm <= ARM
-    arms = [part for p in paths for part in (p[:arm], p[::-1][:arm])]
-    way = _outward(arms, curved)
+    arms = [part for p in paths for part in (p[:ARM], p[::-1][:ARM])]
+    way = _outward(arms)
     partner = match_ends(tip, way, arms, [len(p) for p in paths], gap, angle, most, passed, parted, forced)
     out, used = [], np.zeros(len(paths), bool)
     for i in range(len(paths)):
@@ -56,17 +51,17 @@ def linked_paths(paths, *, gap=6.0, angle=35.0, most=np.inf, passed=None, parted
     return out
 
 
-def _outward(arms, curved=True):
+def _outward(arms):
     """(e, 3) float64, unit directions in which paths leave through their ends.
 
     arms : e arrays (k, 3), samples from each end inwards. The direction is the slope at the end of a parabola through
-    the arm or, where noise would decide on that, of a straight line.
+    the arm.
     """
     way = np.array([arm[0] - arm[-1] for arm in arms]).reshape(-1, 3)
     for own, lines in _of_one_length(arms, 4):
         s = _travelled(lines)
         own, s, lines = own[s[:, -1] > 0], s[s[:, -1] > 0], lines[s[:, -1] > 0]
-        way[own] = -_fitted(s, lines, 2 if curved else 1)[1][:, 1]
+        way[own] = -_fitted(s, lines, 2)[1][:, 1]
     return way / np.maximum(np.linalg.norm(way, axis=1), 1e-12)[:, None]
 
 
