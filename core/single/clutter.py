@@ -105,11 +105,12 @@ class Departures:
     def __init__(self, pieces, step):
         cosines = [np.cos(departures(p.points, p.closed, step)[1]) for p in pieces]
         count = np.array([len(c) for c in cosines], np.int64)
-        size = np.array([len(p.points) for p in pieces], float)
+        ring = np.array([p.closed for p in pieces], bool)
         self.cosine = np.concatenate([*cosines, []])
         self.owner = np.repeat(np.arange(len(pieces)), count)
-        # All places of a piece together weigh as many half steps as it is long.
-        self.weight = np.repeat(size / (2 * step) / np.maximum(count, 1), count)
+        # Departures at places within two steps of each other are alike.
+        alone = (count + np.where(ring, 0, step)) / (2 * step)
+        self.weight = np.repeat(alone / np.maximum(count, 1), count)
         self.many, self.shares, self.clutter, self.curve = len(pieces), SHARES, LOOSE, 10 * LOOSE
 
     def parts(self):
