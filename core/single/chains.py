@@ -75,4 +75,3 @@ def _traced(chain, value, link, path, inside):
             own, total = [], 0.0
             inside = False
     return result[::-1]
-

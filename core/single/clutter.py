@@ -89,10 +89,17 @@ def fit_mixture(pieces, known, *, step, strength=None) -> Mixture:
     return Mixture(odds[: len(pieces)], float(share), float(1 / np.sqrt(bends.curve)), bends.shares)
 
 
-WINDING, CALM = 0.02, 10.0
 PRIOR, FIRM, LOOSE, SHARES = 2.0, 20.0, 2.0, np.array([0.75, 0.15, 0.1])
 """What is believed before anything is seen: pieces of each kind; how many half steps the beliefs about them weigh; the
 concentration of clutter; and the shares of smooth, bent and turning steps of curves."""
+ALIKE, CALM = 0.02, 10.0
+"""Share of curves that are as clutter is in one respect, be it that they wind throughout or are short; and for how many
+times the pieces of a scene its calmness may speak."""
+
+
+def bounded(odds):
+    """Log odds where a share `ALIKE` of curves is like clutter: no respect alone speaks without end against a curve."""
+    return np.logaddexp(np.log1p(-ALIKE) + odds, np.log(ALIKE))
 
 
 class Departures:
@@ -124,7 +131,7 @@ class Departures:
     def odds(self):
         """(p,) float64, log odds of each piece by its departures."""
         value = np.bincount(self.owner, self.weight * np.log(self.parts().sum(axis=0)), minlength=self.many)
-        return np.logaddexp(np.log1p(-WINDING) + value, np.log(WINDING))
+        return bounded(value)
 
     def fit(self, belief):
         """Concentrations and shares, given how much each piece is believed to be a curve."""
@@ -173,4 +180,5 @@ class Scalar:
 
     def odds(self):
         middle = (self.high + self.low) / 2
-        return np.where(self.seen, (self.high - self.low) / self.variance * (self.values - middle), 0.0)
+        value = (self.high - self.low) / self.variance * (self.values - middle)
+        return np.where(self.seen, bounded(value), 0.0)

@@ -18,7 +18,6 @@ continuations vary more than the noise of their arms says, what these beliefs we
 CUT, TAIL = 3.0, 3.0
 """Mean length of half of the gaps (edge lengths; the other half has any length), and the degrees of freedom of
 Student's distribution of a continuation about what is foretold."""
-DEBUG = False
 BESIDE, COVERED = 2.0, 1.0
 """Distance (edge lengths) of a curve that runs along a gap, and the log odds that each edge of it takes."""
 
@@ -52,7 +51,6 @@ def continuation(network: CurveNetwork, pieces, ends: Ends, belief, *, noise, tu
         goes_on = (2 * w.sum() + FIRM * GOES_ON) / (2 * belief.sum() + FIRM)
         pull = _pull(sway, v_sway, loose) + _pull(turn, v_turn, loose)
         loose = (w @ pull + FIRM * LOOSE) / (2 * w.sum() + FIRM)
-    if DEBUG: print("loose %.1f goes_on %.2f" % (loose, goes_on))
     odds -= COVERED * covered(network, pieces, ends, i, j, size, floor=odds)
     return pair, odds
 
