@@ -72,15 +72,17 @@ def fit_mixture(pieces, known, *, step, strength=None) -> Mixture:
     free = np.arange(len(everything)) < len(pieces)
     odds = bends.odds()
     belief = np.where(free, expit(odds), 1.0)
-    share = 0.5
+    # What is too short to depart is judged by what the longer pieces say of lengths, and says nothing itself.
+    speaks = bends.speaks if bends.speaks[free].any() else np.ones(len(free), bool)
+    share, count = 0.5, (free & speaks).sum()
     for _ in range(ROUNDS):
         # Clutter comes of the noise that makes curves jagged: where they run smoothly little of it is expected.
-        more = min(PRIOR * bends.curve / (10 * LOOSE), CALM * free.sum())
-        share = (belief[free].sum() + PRIOR + more) / (free.sum() + 2 * PRIOR + more)
+        more = min(PRIOR * bends.curve / (10 * LOOSE), CALM * count)
+        share = (belief[free & speaks].sum() + PRIOR + more) / (count + 2 * PRIOR + more)
         bends.fit(belief)
         odds = logit(share) + bends.odds()
         for scalar in scalars:
-            scalar.fit(belief)
+            scalar.fit(belief, speaks)
             odds = odds + scalar.odds()
         new = np.where(free, expit(odds), 1.0)
         moved, belief = np.abs(new - belief).max(initial=0.0), new
@@ -115,6 +117,7 @@ class Departures:
         ring = np.array([p.closed for p in pieces], bool)
         self.cosine = np.concatenate([*cosines, []])
         self.owner = np.repeat(np.arange(len(pieces)), count)
+        self.speaks = count > 0
         # Departures at places within two steps of each other are alike.
         alone = (count + np.where(ring, 0, step)) / (2 * step)
         self.weight = np.repeat(alone / np.maximum(count, 1), count)
@@ -152,12 +155,16 @@ def log_concentrated(cosine, k):
 def concentration(cosine, weight, prior, count):
     """Concentration of weighted angles, with `count` more of the concentration `prior`.
 
-    The mean cosine is coth k - 1 / k; k is found by its usual approximation (Banerjee and others 2005).
+    The mean cosine is coth k - 1 / k; k is found from its usual approximation (Banerjee and others 2005) by Newton.
     """
     mean = 1 / np.tanh(prior) - 1 / prior
     r = (np.dot(cosine, weight) + count * mean) / (weight.sum() + count)
     r = np.clip(r, 1e-3, 1 - 1e-7)
-    return float(r * (3 - r * r) / (1 - r * r))
+    k = r * (3 - r * r) / (1 - r * r)
+    for _ in range(3):
+        value = 1 / np.tanh(k) - 1 / k
+        k = max(k - (value - r) / max(1 - value * value - 2 * value / k, 1e-12), 1e-3)
+    return float(k)
 
 
 class Scalar:
@@ -171,8 +178,9 @@ class Scalar:
         self.high = self.low = self.centre
         self.variance = 1.0
 
-    def fit(self, belief):
-        x, b = self.values[self.seen], belief[self.seen]
+    def fit(self, belief, speaks):
+        own = self.seen & speaks
+        x, b = self.values[own], belief[own]
         self.high = (b @ x + PRIOR * self.centre) / (b.sum() + PRIOR)
         self.low = min(self.high, ((1 - b) @ x + PRIOR * self.centre) / ((1 - b).sum() + PRIOR))
         spread = b @ (x - self.high) ** 2 + (1 - b) @ (x - self.low) ** 2
