@@ -72,15 +72,18 @@ def fit_mixture(pieces, known, *, step, strength=None) -> Mixture:
     free = np.arange(len(everything)) < len(pieces)
     odds = bends.odds()
     belief = np.where(free, expit(odds), 1.0)
-    # What is too short to depart is judged by what the longer pieces say of lengths, and says nothing itself.
-    speaks = bends.speaks if bends.speaks[free].any() else np.ones(len(free), bool)
-    share, count = 0.5, (free & speaks).sum()
+    # What is too short to depart is judged by what longer pieces say of lengths, and says nothing itself: it is as
+    # likely the one as the other but for the calm of the scene.
+    speaks = bends.speaks
+    count, mute = (free & speaks).sum(), (free & ~speaks).sum() + PRIOR
+    share = 0.5
     for _ in range(ROUNDS):
         # Clutter comes of the noise that makes curves jagged: where they run smoothly little of it is expected.
-        more = min(PRIOR * bends.curve / (10 * LOOSE), CALM * count)
+        calm = PRIOR * bends.curve / (10 * LOOSE)
+        more = min(calm, CALM * count)
         share = (belief[free & speaks].sum() + PRIOR + more) / (count + 2 * PRIOR + more)
         bends.fit(belief)
-        odds = logit(share) + bends.odds()
+        odds = np.where(speaks, logit(share), np.log1p(2 * min(calm, CALM * mute) / mute)) + bends.odds()
         for scalar in scalars:
             scalar.fit(belief, speaks)
             odds = odds + scalar.odds()
