@@ -39,13 +39,12 @@ class Parameters:
         1.5, DEGREES, "largest angle between two transformations of one cluster (section 4.1.2)", 0.1, 45
     )
     bayes_ratio: float = _value(10.0, FACTOR, "Bayes ratio K that keeps a transformation (section 4.2.2)", 1)
-    keep_length: float = _value(3.0, FACTOR, "a curve that does not recur is kept above this many l0 (section 5.1)", 0)
-    keep_curvature: float = _value(
-        1.0, FACTOR, "or above l0 and above this share of the mean curvature C (section 5.1)", 0
+    keep_odds: float = _value(
+        1.0, FACTOR, "odds to be no clutter above which a curve that does not recur is kept (section 5.1)", 0.001
     )
     smoothing: float = _value(3.0, EDGES, "standard deviation of the smoothing along each curve", 0, 20)
     link_gap: float = _value(
-        25.0, EDGES, "largest gap over which pieces of a curve that does not recur are joined (section 5.1)", 0, 200
+        25.0, EDGES, "largest gap over which pieces of a curve that does not recur may be joined (section 5.1)", 0, 200
     )
     epsilon: float = _value(2.0, EDGES, "radius within which occurrences show the same curve (section 5.2)", 0.1)
     margin: float = _value(45.0, EDGES, "how far around what is known of a thing its other curves are looked for", 1, 500)

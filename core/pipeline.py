@@ -86,7 +86,9 @@ def _complete(curves, edge_length, p, progress):
             network, model, votes, clusters, screen, p, progress=clock.progress
         )  # fmt: skip
         model = replace(model, orbits=orbits)
-        completion = build_completion(network, model, drafts, courses, len(curves), p, seconds)
+        completion = build_completion(
+            network, model, drafts, courses, len(curves), p, seconds, tick=clock.tick
+        )
     counts = np.diff(network.offsets)
     completion.work.update(
         strong_curves=len(strong), strong_samples=int(counts[strong].sum()), point_pairs=point_pairs,
