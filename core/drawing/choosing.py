@@ -17,7 +17,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 from scipy.special import gammaln
 
-from .evidence import RIVAL, Sightings, chances, kept_stretches, log_odds, point_scores, seen_by, sightings
+from .evidence import LEAST_SHOWN, RIVAL, Sightings, chances, kept_stretches, log_odds, point_scores, seen_by, sightings
 from .overlay import Overlay
 
 GAP, SHORTEST, NEAR = 8, 5, 0.5
@@ -96,8 +96,9 @@ def _best_set(seen, ring, p, q, sets, least):
     seen : (k, n) bool. None where nothing pays.
     """
     k = len(seen)
-    each = log_odds(seen, p, q).sum(axis=1)
-    own = each > 0
+    own = log_odds(seen, _rate(seen, p, q), q).sum(axis=1) > 0
+    if own.any():
+        own = log_odds(seen, _rate(seen[own], p, q), q).sum(axis=1) > 0
     m = int(own.sum())
     options = [(np.ones(k, bool), 0.0)]
     options += [(known, np.log(1 + len(sets))) for known in sets if not known.all()]
@@ -105,13 +106,20 @@ def _best_set(seen, ring, p, q, sets, least):
         options.append((own, gammaln(k + 1) - gammaln(m + 1) - gammaln(k - m + 1) + np.log(k)))
     best = None, [], 0.0
     for mine, cost in options:
-        score = point_scores(seen[mine], p, q)
+        score = point_scores(seen[mine], _rate(seen[mine], p, q), q)
         parts = kept_stretches(score, ring, least, GAP)
         parts = [part for part in parts if len(part) >= SHORTEST and score[part].sum() > 0]
         total = sum(score[part].sum() for part in parts) - cost
         if parts and total > max(best[2], least):
             best = mine, parts, total
     return best
+
+
+def _rate(seen, p, q):
+    """How likely a point of one curve is seen where it is: short curves are hidden more than long ones, so each says
+    for itself, between the least that is more than chance and what the thing as a whole shows."""
+    low = min(max(LEAST_SHOWN, 1.5 * q), 0.9)
+    return float(np.clip(seen.mean(), low, max(p, low)))
 
 
 def connected(chosen: Chosen, core, join) -> Chosen:

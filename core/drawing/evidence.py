@@ -28,6 +28,9 @@ RIVAL = 1.0
 DECOYS, ASIDE = 6, 4.0
 """Motions that measure chance, and edge lengths by which one must move a point across its curve to tell something."""
 
+LEAST_SHOWN, MOST_SHOWN = 0.35, 0.9
+"""Bounds of the share of a curve that a pose shows."""
+
 LEAST_CHANCE, MOST_CHANCE, TRUST = 0.05, 0.6, 50.0
 """Bounds of the chance of a sighting, and the number of points at which the measured value weighs as much as the
 least one."""

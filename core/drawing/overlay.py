@@ -84,7 +84,8 @@ def agreement(overlay: Overlay, *, radius, cosine=0.8, stretch=8, moved=None):
 
     Parameters
     ----------
-    radius : edge lengths; cosine : least cosine of the tangents; stretch : shortest run of agreeing samples
+    radius : edge lengths; cosine : least cosine of the tangents; stretch : shortest stretch of
+        agreeing samples, or a whole run where that is shorter
     moved : (n, 3) float64, places of the samples in place of their own, to learn what chance gives
 
     Returns
@@ -116,7 +117,8 @@ def agreement(overlay: Overlay, *, radius, cosine=0.8, stretch=8, moved=None):
 
 
 def _long_stretches(hit, run, least):
-    """Of flags (n, k), in each column those in unbroken stretches of at least `least` samples of one run."""
+    """Of flags (n, k), in each column those in unbroken stretches of at least `least` samples of one run, or of all
+    samples of a shorter one."""
     n = len(hit)
     if not n:
         return hit
@@ -124,7 +126,8 @@ def _long_stretches(hit, run, least):
     fresh = hit & (new[:, None] | ~np.concatenate([np.zeros((1, hit.shape[1]), bool), hit[:-1]]))
     name = np.cumsum(fresh.T.ravel()).reshape(hit.shape[1], n).T
     size = np.bincount(name[hit], minlength=name.max(initial=0) + 1)
-    return hit & (size[name] >= least)
+    run = np.cumsum(new) - 1
+    return hit & (size[name] >= np.minimum(least, np.bincount(run))[run][:, None])
 
 
 def decoys(points, count, seed=0):

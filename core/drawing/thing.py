@@ -11,16 +11,13 @@ from scipy.spatial import cKDTree
 from ..network import CurveNetwork
 from .choosing import Chosen, choose, connected, merged
 from .consensus import candidate_curves
-from .evidence import chances, seen_by, sightings
+from .evidence import LEAST_SHOWN, MOST_SHOWN, chances, seen_by, sightings
 from .fitting import fitted_curves, own_evidence, refined_poses
 from .overlay import gather
 from .sliding import relative_motions, slides
 
 CORE = 4.0
 """Tolerance: edge lengths from the core within which a candidate tells how much a pose shows."""
-
-LEAST_SHOWN, MOST_SHOWN = 0.35, 0.9
-"""Bounds of the share of a curve that a pose shows."""
 
 
 @dataclass(frozen=True)
@@ -99,7 +96,7 @@ class Drawer:
         has = np.repeat(chosen.sets.T, np.diff(found.offsets), axis=1)
         p = float(np.clip(seen[has].mean(), LEAST_SHOWN, MOST_SHOWN))
         q = np.minimum(chances(chosen.curves, overlay, radius=self.radius), 0.9 * p)
-        good = own_evidence(found, overlay, chosen.curves, chosen.sets, p, q) > self.least
+        good = own_evidence(found, overlay, chosen.curves, chosen.sets, p, q) > 0
         sets = chosen.sets[:, good]
         use = np.flatnonzero(sets.sum(axis=1) >= 2)
         return Chosen(chosen.curves, chosen.closed, sets, chosen.scores).part(use), good
