@@ -25,6 +25,10 @@ GAP, SHORTEST, NEAR = 8, 5, 0.5
 candidate may be seen at less to be preferred for lying one size of the thing nearer to its core."""
 
 
+TOUCHING = 1.0
+"""Nats that a curve must have that touches what is known of the thing."""
+
+
 @dataclass(frozen=True)
 class Chosen:
     """Curves of a thing. curves : list of (k, 3); closed : list of bool; sets : (c, k) bool, the poses of each;
@@ -42,37 +46,69 @@ class Chosen:
         )  # fmt: skip
 
 
-def choose(curves, closed, overlay: Overlay, core, *, p, least, radius, taken=None, sets=()) -> Chosen:
+def choose(curves, closed, overlay: Overlay, core, *, p, least, join, radius, sets=()) -> Chosen:
     """Of candidate curves those that the evidence is for.
 
     Parameters
     ----------
     curves, closed : candidates in the thing's frame; core : (m, 3) float64, points that surely belong to it
-    p : share of a curve that a pose shows; least : nats that a curve must have
-    taken : (n,) float64, distance of each sample of the network to a curve that explains it already, inf for none
+    p : share of a curve that a pose shows
+    least : nats that a curve must have at `join` edge lengths from what is known of the thing; the less, the closer
     sets : (k,) bool arrays, sets of poses that other curves have
     """
     found = sightings(curves, overlay, radius=radius)
     q = np.minimum(chances(curves, overlay, radius=radius), 0.9 * p)
-    samples = int(overlay.sample.max(initial=-1)) + 1
-    taken = np.full(samples, np.inf) if taken is None else taken[:samples].copy()
-    sets, out = list(sets), []
-    for c in _order(found, overlay, curves, core, p):
-        here = found.of_curve(c)
-        item = found.item[here]
-        fresh = taken[overlay.sample[item]] - found.distance[here] > RIVAL
-        seen = np.zeros((overlay.cells, len(curves[c])), bool)
-        seen[overlay.cell[item[fresh]], found.point[here][fresh] - found.offsets[c]] = True
-        mine, parts, score = _best_set(seen, closed[c], p, q[c], sets, least)
-        if mine is None:
-            continue
-        if not any((mine == known).all() for known in sets):
-            sets.append(mine)
-        whole = len(parts) == 1 and len(parts[0]) == len(curves[c])
-        out += [(curves[c][part], closed[c] and whole, mine, score) for part in parts]
-        inside = np.isin(found.point[here] - found.offsets[c], np.concatenate(parts)) & mine[overlay.cell[item]]
-        np.minimum.at(taken, overlay.sample[item[inside]], found.distance[here][inside])
+    taken = np.full(int(overlay.sample.max(initial=-1)) + 1, np.inf)
+    sets, out, known = list(sets), [], _Near(core)
+    left = list(_order(found, overlay, curves, core, p))
+    while left:
+        again = []
+        for c in left:
+            price = known.price(curves[c], least, join)
+            here = found.of_curve(c)
+            point, item = found.point[here] - found.offsets[c], found.item[here]
+            fresh = taken[overlay.sample[item]] - found.distance[here] > RIVAL
+            seen = np.zeros((overlay.cells, len(curves[c])), bool)
+            seen[overlay.cell[item[fresh]], point[fresh]] = True
+            mine, parts, score = _best_set(seen, closed[c], p, q[c], sets, least, price)
+            if mine is None:
+                again.append(c)
+                continue
+            if not any((mine == s).all() for s in sets):
+                sets.append(mine)
+            whole = len(parts) == 1 and len(parts[0]) == len(curves[c])
+            out += [(curves[c][part], closed[c] and whole, mine, score) for part in parts]
+            inside = np.isin(point, np.concatenate(parts)) & mine[overlay.cell[item]]
+            np.minimum.at(taken, overlay.sample[item[inside]], found.distance[here][inside])
+            known.add([curves[c][part] for part in parts])
+        if len(again) == len(left) or not known.grown():
+            break
+        left = again
     return _chosen(out, overlay.cells)
+
+
+class _Near:
+    """How far a curve is from what is known of the thing, which grows."""
+
+    def __init__(self, core):
+        self.points, self.more = core, []
+        self.tree = cKDTree(core)
+
+    def price(self, curve, least, join):
+        """Nats that a curve must have: little where it touches what is known, `least` at `join`, more beyond."""
+        gap = self.tree.query(curve)[0].min()
+        return max(TOUCHING, least * gap / join)
+
+    def add(self, curves):
+        self.more += curves
+
+    def grown(self):
+        """Take up what was added; whether there was something."""
+        if not self.more:
+            return False
+        self.points, self.more = np.concatenate([self.points, *self.more]), []
+        self.tree = cKDTree(self.points)
+        return True
 
 
 def _chosen(rows, cells) -> Chosen:
@@ -90,10 +126,11 @@ def _order(found: Sightings, overlay, curves, core, p):
     return np.argsort(-(np.clip(share / p, 0, 1).sum(axis=0) - NEAR * away / size), kind="stable")
 
 
-def _best_set(seen, ring, p, q, sets, least):
+def _best_set(seen, ring, p, q, sets, least, price):
     """The poses (k,) bool at which a curve is best said to be, the stretches of it that are left, and its nats.
 
-    seen : (k, n) bool. None where nothing pays.
+    seen : (k, n) bool; least : nats against a stretch that cut it out; price : nats that a curve must have. None where
+    nothing pays.
     """
     k = len(seen)
     own = log_odds(seen, _rate(seen, p, q), q).sum(axis=1) > 0
@@ -110,7 +147,7 @@ def _best_set(seen, ring, p, q, sets, least):
         parts = kept_stretches(score, ring, least, GAP)
         parts = [part for part in parts if len(part) >= SHORTEST and score[part].sum() > 0]
         total = sum(score[part].sum() for part in parts) - cost
-        if parts and total > max(best[2], least):
+        if parts and total > max(best[2], price):
             best = mine, parts, total
     return best
 

@@ -16,6 +16,9 @@ from .fitting import fitted_curves, own_evidence, refined_poses
 from .overlay import gather
 from .sliding import relative_motions, slides
 
+LENIENT = 0.4
+"""Tolerance: share of chance up to which candidates are proposed in what is left; evidence decides about them."""
+
 CORE = 4.0
 """Tolerance: edge lengths from the core within which a candidate tells how much a pose shows."""
 
@@ -73,7 +76,7 @@ class Drawer:
         if not curves:
             return Chosen([], [], np.zeros((0, len(poses)), bool), np.zeros(0))
         p = self._shown(curves, overlay, core)
-        chosen = choose(curves, closed, overlay, core, p=p, least=self.least, radius=self.radius)
+        chosen = choose(curves, closed, overlay, core, p=p, least=self.least, join=self.join, radius=self.radius)
         return connected(chosen, core, self.join)
 
     def _staying(self, curves, closed, poses, core):
@@ -128,7 +131,7 @@ class Drawer:
         overlay = gather(self.network, poses, drawn, free, self.margin)
         if not len(overlay.points):
             return nothing
-        curves, closed = candidate_curves(overlay, epsilon=self.epsilon, tick=self.tick)
+        curves, closed = candidate_curves(overlay, epsilon=self.epsilon, chance=LENIENT, tick=self.tick)
         curves, closed = self._staying(curves, closed, poses, drawn)
         if not curves:
             return nothing
@@ -136,5 +139,5 @@ class Drawer:
         has = np.repeat(chosen.sets.T, np.diff(found.offsets), axis=1)
         p = float(np.clip(seen[has].mean(), LEAST_SHOWN, MOST_SHOWN))
         sets = [s for s in np.unique(chosen.sets, axis=0)]
-        more = choose(curves, closed, overlay, drawn, p=p, least=self.least, radius=self.radius, sets=sets)
+        more = choose(curves, closed, overlay, drawn, p=p, least=self.least, join=self.join, radius=self.radius, sets=sets)
         return connected(more, drawn, self.join)
