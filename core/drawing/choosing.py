@@ -183,3 +183,19 @@ def merged(a: Chosen, b: Chosen) -> Chosen:
         a, curves=a.curves + b.curves, closed=a.closed + b.closed, sets=np.concatenate([a.sets, b.sets]),
         scores=np.concatenate([a.scores, b.scores]),
     )  # fmt: skip
+
+
+def trimmed(chosen: Chosen, seen, offsets, p, q, least) -> Chosen:
+    """The curves without the stretches that have at least `least` nats against them.
+
+    seen : (k, n) bool, which points of all curves the poses show; offsets : (c + 1,) where the points of each begin
+    p : share of a curve that a pose shows; q : (c,) float64, chance
+    """
+    out = []
+    for c, (curve, ring, mine) in enumerate(zip(chosen.curves, chosen.closed, chosen.sets)):
+        here = seen[mine, offsets[c] : offsets[c + 1]]
+        score = point_scores(here, _rate(here, p, q[c]), q[c])
+        for part in kept_stretches(score, ring, least, GAP):
+            if len(part) >= SHORTEST:
+                out.append((curve[part], ring and len(part) == len(curve), mine, score[part].sum()))
+    return _chosen(out, chosen.sets.shape[1])

@@ -9,8 +9,9 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ..network import CurveNetwork
-from .choosing import Chosen, choose, connected, merged
+from .choosing import Chosen, choose, connected, merged, trimmed
 from .consensus import candidate_curves
+from .continuing import continued
 from .evidence import LEAST_SHOWN, MOST_SHOWN, chances, seen_by, sightings
 from .fitting import fitted_curves, own_evidence, refined_poses
 from .overlay import gather
@@ -65,8 +66,24 @@ class Drawer:
             if not more.curves:
                 break
             chosen = merged(chosen, more)
-        chosen, poses = self._fitted(chosen, poses)
-        return Drawing(chosen, poses, kept)
+        overlay = self._around(chosen, poses)
+        chosen = continued(chosen, sightings(chosen.curves, overlay, radius=self.radius), overlay)
+        chosen, poses = self._fitted(self._trimmed(chosen, poses), poses)
+        return Drawing(chosen, poses, kept) if chosen.curves else None
+
+    def _around(self, chosen: Chosen, poses):
+        """Overlay of all that lies around the curves."""
+        return gather(self.network, poses, np.concatenate(chosen.curves), self.free, self.margin)
+
+    def _trimmed(self, chosen: Chosen, poses) -> Chosen:
+        """The curves without stretches that their poses surely do not show."""
+        overlay = self._around(chosen, poses)
+        found = sightings(chosen.curves, overlay, radius=self.radius)
+        seen = seen_by(found, overlay)
+        has = np.repeat(chosen.sets.T, np.diff(found.offsets), axis=1)
+        p = float(np.clip(seen[has].mean(), LEAST_SHOWN, MOST_SHOWN))
+        q = np.minimum(chances(chosen.curves, overlay, radius=self.radius), 0.9 * p)
+        return trimmed(chosen, seen, found.offsets, p, q, self.least)
 
     def _chosen(self, region, core, poses) -> Chosen:
         overlay = gather(self.network, poses, region, self.free, self.margin)
