@@ -18,6 +18,7 @@ from scipy.spatial import cKDTree
 from scipy.special import gammaln
 
 from .evidence import LEAST_SHOWN, RIVAL, Sightings, chances, kept_stretches, log_odds, point_scores, seen_by, sightings
+from .homing import at_home
 from .overlay import Overlay
 
 GAP, SHORTEST, NEAR = 8, 5, 0.5
@@ -46,7 +47,7 @@ class Chosen:
         )  # fmt: skip
 
 
-def choose(curves, closed, overlay: Overlay, core, *, p, least, join, radius, sets=()) -> Chosen:
+def choose(curves, closed, overlay: Overlay, core, *, p, least, join, radius, motions, sets=()) -> Chosen:
     """Of candidate curves those that the evidence is for.
 
     Parameters
@@ -54,10 +55,15 @@ def choose(curves, closed, overlay: Overlay, core, *, p, least, join, radius, se
     curves, closed : candidates in the thing's frame; core : (m, 3) float64, points that surely belong to it
     p : share of a curve that a pose shows
     least : nats that a curve must have at `join` edge lengths from what is known of the thing; the less, the closer
+    motions : (m, 4, 4) float64, from poses to their neighbours, in the thing's frame
     sets : (k,) bool arrays, sets of poses that other curves have
     """
-    found = sightings(curves, overlay, radius=radius)
     q = np.minimum(chances(curves, overlay, radius=radius), 0.9 * p)
+    curves = at_home(
+        curves, motions, overlay, core, q, p=p, least=least, reach=join, near=NEAR, radius=radius
+    )  # fmt: skip
+    q = np.minimum(chances(curves, overlay, radius=radius), 0.9 * p)
+    found = sightings(curves, overlay, radius=radius)
     taken = np.full(int(overlay.sample.max(initial=-1)) + 1, np.inf)
     sets, out, known = list(sets), [], _Near(core)
     left = list(_order(found, overlay, curves, core, p))
@@ -120,9 +126,8 @@ def _order(found: Sightings, overlay, curves, core, p):
     """Candidates in the order in which they are asked: those that most poses show, then those close to the core."""
     seen = seen_by(found, overlay)
     share = np.add.reduceat(seen, found.offsets[:-1], axis=1, dtype=float) / np.diff(found.offsets)
-    tree = cKDTree(core)
+    tree, size = cKDTree(core), max(np.linalg.norm(core.std(axis=0)), 10.0)
     away = np.array([np.median(tree.query(c)[0]) for c in curves])
-    size = max(np.linalg.norm(core.std(axis=0)), 10.0)
     return np.argsort(-(np.clip(share / p, 0, 1).sum(axis=0) - NEAR * away / size), kind="stable")
 
 

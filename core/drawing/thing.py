@@ -89,16 +89,17 @@ class Drawer:
         overlay = gather(self.network, poses, region, self.free, self.margin)
         self.tick()
         curves, closed = candidate_curves(overlay, epsilon=self.epsilon, tick=self.tick)
-        curves, closed = self._staying(curves, closed, poses, core)
+        motions = relative_motions(poses, core)
+        curves, closed = self._staying(curves, closed, motions)
         if not curves:
             return Chosen([], [], np.zeros((0, len(poses)), bool), np.zeros(0))
         p = self._shown(curves, overlay, core)
-        chosen = choose(curves, closed, overlay, core, p=p, least=self.least, join=self.join, radius=self.radius)
-        return connected(chosen, core, self.join)
+        how = {"p": p, "least": self.least, "join": self.join, "radius": self.radius, "motions": motions}
+        return connected(choose(curves, closed, overlay, core, **how), core, self.join)
 
-    def _staying(self, curves, closed, poses, core):
+    def _staying(self, curves, closed, motions):
         """The curves that do not slide along themselves."""
-        stays = ~slides(curves, relative_motions(poses, core), radius=self.radius)
+        stays = ~slides(curves, motions, radius=self.radius)
         return [c for c, s in zip(curves, stays) if s], [c for c, s in zip(closed, stays) if s]
 
     def _shown(self, curves, overlay, core):
@@ -149,12 +150,14 @@ class Drawer:
         if not len(overlay.points):
             return nothing
         curves, closed = candidate_curves(overlay, epsilon=self.epsilon, chance=LENIENT, tick=self.tick)
-        curves, closed = self._staying(curves, closed, poses, drawn)
+        motions = relative_motions(poses, drawn)
+        curves, closed = self._staying(curves, closed, motions)
         if not curves:
             return nothing
         seen = seen_by(found, gather(self.network, poses, drawn, self.free, self.margin))
         has = np.repeat(chosen.sets.T, np.diff(found.offsets), axis=1)
         p = float(np.clip(seen[has].mean(), LEAST_SHOWN, MOST_SHOWN))
         sets = [s for s in np.unique(chosen.sets, axis=0)]
-        more = choose(curves, closed, overlay, drawn, p=p, least=self.least, join=self.join, radius=self.radius, sets=sets)
+        how = {"p": p, "least": self.least, "join": self.join, "radius": self.radius, "motions": motions, "sets": sets}
+        more = choose(curves, closed, overlay, drawn, **how)
         return connected(more, drawn, self.join)
