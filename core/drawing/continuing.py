@@ -25,7 +25,7 @@ def continued(chosen: Chosen, found: Sightings, overlay: Overlay) -> Chosen:
 
     found : sightings of the curves in the overlay
     """
-    explained = _explained(chosen, found, overlay)
+    explained = explained_items(chosen, found, overlay)
     out = []
     sets, which = np.unique(chosen.sets, axis=0, return_inverse=True)
     for k, mine in enumerate(sets):
@@ -45,7 +45,7 @@ def continued(chosen: Chosen, found: Sightings, overlay: Overlay) -> Chosen:
     return Chosen(list(curves), list(closed), np.array(sets), np.array(scores))
 
 
-def _explained(chosen, found, overlay):
+def explained_items(chosen, found, overlay):
     """(n,) bool, samples of the overlay that lie along a curve at one of its poses, under whichever pose."""
     curve = np.repeat(np.arange(len(chosen.curves)), np.diff(found.offsets))
     at = chosen.sets[curve[found.point], overlay.cell[found.item]]

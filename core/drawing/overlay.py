@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -38,10 +38,16 @@ class Overlay:
         """The samples of some poses (k,) int64 alone; these are then numbered from 0."""
         number = np.full(self.cells, -1)
         number[cells] = np.arange(len(cells))
-        use = np.flatnonzero(number[self.cell] >= 0)
-        return Overlay(
-            self.points[use], self.tangents[use], self.weights[use], number[self.cell[use]], self.sample[use],
-            self.run[use], len(cells),
+        out = self.part(number[self.cell] >= 0)
+        return replace(out, cell=number[out.cell], cells=len(cells))
+
+    def part(self, use) -> Overlay:
+        """Some of the samples, flags (n,) bool; a run is broken where some are left out."""
+        use = np.flatnonzero(use)
+        cut = np.r_[0, (np.diff(use) > 2) | (np.diff(self.run[use]) != 0)]
+        return replace(
+            self, points=self.points[use], tangents=self.tangents[use], weights=self.weights[use],
+            cell=self.cell[use], sample=self.sample[use], run=np.cumsum(cut),
         )  # fmt: skip
 
 

@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 from ..network import CurveNetwork
 from .choosing import Chosen, choose, connected, merged, trimmed
 from .consensus import candidate_curves
-from .continuing import continued
+from .continuing import continued, explained_items
 from .evidence import LEAST_SHOWN, MOST_SHOWN, chances, seen_by, sightings
 from .fitting import fitted_curves, own_evidence, refined_poses
 from .overlay import gather
@@ -79,27 +79,25 @@ class Drawer:
         """The curves without stretches that their poses surely do not show."""
         overlay = self._around(chosen, poses)
         found = sightings(chosen.curves, overlay, radius=self.radius)
-        seen = seen_by(found, overlay)
-        has = np.repeat(chosen.sets.T, np.diff(found.offsets), axis=1)
-        p = float(np.clip(seen[has].mean(), LEAST_SHOWN, MOST_SHOWN))
+        p = self._typical(chosen, found, overlay)
         q = np.minimum(chances(chosen.curves, overlay, radius=self.radius), 0.9 * p)
-        return trimmed(chosen, seen, found.offsets, p, q, self.least)
+        return trimmed(chosen, seen_by(found, overlay), found.offsets, p, q, self.least)
 
     def _chosen(self, region, core, poses) -> Chosen:
         overlay = gather(self.network, poses, region, self.free, self.margin)
         self.tick()
         curves, closed = candidate_curves(overlay, epsilon=self.epsilon, tick=self.tick)
         motions = relative_motions(poses, core)
-        curves, closed = self._staying(curves, closed, motions)
+        curves, closed = self._staying(curves, closed, motions, overlay)
         if not curves:
             return Chosen([], [], np.zeros((0, len(poses)), bool), np.zeros(0))
         p = self._shown(curves, overlay, core)
         how = {"p": p, "least": self.least, "join": self.join, "radius": self.radius, "motions": motions}
         return connected(choose(curves, closed, overlay, core, **how), core, self.join)
 
-    def _staying(self, curves, closed, motions):
+    def _staying(self, curves, closed, motions, overlay):
         """The curves that do not slide along themselves."""
-        stays = ~slides(curves, motions, radius=self.radius)
+        stays = ~slides(curves, motions, overlay, radius=self.radius)
         return [c for c, s in zip(curves, stays) if s], [c for c, s in zip(closed, stays) if s]
 
     def _shown(self, curves, overlay, core):
@@ -111,11 +109,9 @@ class Drawer:
 
     def _paying(self, chosen: Chosen, poses):
         """The curves at the poses that show enough of their own, and which poses (k,) bool these are."""
-        overlay = gather(self.network, poses, np.concatenate(chosen.curves), self.free, self.margin)
+        overlay = self._around(chosen, poses)
         found = sightings(chosen.curves, overlay, radius=self.radius)
-        seen = seen_by(found, overlay)
-        has = np.repeat(chosen.sets.T, np.diff(found.offsets), axis=1)
-        p = float(np.clip(seen[has].mean(), LEAST_SHOWN, MOST_SHOWN))
+        p = self._typical(chosen, found, overlay)
         q = np.minimum(chances(chosen.curves, overlay, radius=self.radius), 0.9 * p)
         good = own_evidence(found, overlay, chosen.curves, chosen.sets, p, q) > 0
         sets = chosen.sets[:, good]
@@ -138,26 +134,23 @@ class Drawer:
     def _rest(self, chosen: Chosen, poses) -> Chosen:
         """Curves that the poses agree on in what the chosen ones leave."""
         drawn = np.concatenate(chosen.curves)
-        overlay = gather(self.network, poses, drawn, self.free, self.margin)
-        found = sightings(chosen.curves, overlay, radius=self.radius)
-        curve = np.repeat(np.arange(len(chosen.curves)), np.diff(found.offsets))
-        at = chosen.sets[curve[found.point], overlay.cell[found.item]]
-        explained = np.zeros(len(self.free), bool)
-        explained[overlay.sample[found.item[at]]] = True
-        free = self.free & ~explained
+        around = self._around(chosen, poses)
+        found = sightings(chosen.curves, around, radius=self.radius)
+        overlay = around.part(~explained_items(chosen, found, around))
         nothing = Chosen([], [], np.zeros((0, len(poses)), bool), np.zeros(0))
-        overlay = gather(self.network, poses, drawn, free, self.margin)
         if not len(overlay.points):
             return nothing
         curves, closed = candidate_curves(overlay, epsilon=self.epsilon, chance=LENIENT, tick=self.tick)
         motions = relative_motions(poses, drawn)
-        curves, closed = self._staying(curves, closed, motions)
+        curves, closed = self._staying(curves, closed, motions, around)
         if not curves:
             return nothing
-        seen = seen_by(found, gather(self.network, poses, drawn, self.free, self.margin))
-        has = np.repeat(chosen.sets.T, np.diff(found.offsets), axis=1)
-        p = float(np.clip(seen[has].mean(), LEAST_SHOWN, MOST_SHOWN))
-        sets = [s for s in np.unique(chosen.sets, axis=0)]
-        how = {"p": p, "least": self.least, "join": self.join, "radius": self.radius, "motions": motions, "sets": sets}
-        more = choose(curves, closed, overlay, drawn, **how)
+        p = self._typical(chosen, found, around)
+        how = {"p": p, "least": self.least, "join": self.join, "radius": self.radius, "motions": motions}
+        more = choose(curves, closed, overlay, drawn, sets=list(np.unique(chosen.sets, axis=0)), **how)
         return connected(more, drawn, self.join)
+
+    def _typical(self, chosen: Chosen, found, overlay):
+        """Share of the curves that their poses show."""
+        has = np.repeat(chosen.sets.T, np.diff(found.offsets), axis=1)
+        return float(np.clip(seen_by(found, overlay)[has].mean(), LEAST_SHOWN, MOST_SHOWN))
