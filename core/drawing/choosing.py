@@ -3,8 +3,8 @@
 
 Candidates come from an overlay with wide margins, so that in a row of windows the neighbours' curves are among them.
 Those that most poses show come first, and each sample of the network is explained once: of curves that are each
-other's images under the poses one is left. A curve belongs to all poses or, if that pays, to some of them: to a set that
-other curves have, or to one of its own, at the price of naming it.
+other's images under the poses one is left. A curve belongs to all poses or, if that pays, to some of them: to a set
+that other curves have, or to one of its own, at the price of naming it.
 """
 
 from __future__ import annotations
@@ -25,6 +25,10 @@ GAP, SHORTEST, NEAR = 8, 5, 0.5
 """Tolerances: points of the shortest gap that is cut into a curve, points of the shortest curve, and the poses that a
 candidate may be seen at less to be preferred for lying one size of the thing nearer to its core."""
 
+
+PLACES = 6.0
+"""Nats for where, in the margin of a thing, a curve of a set of poses of its own may lie: some hundred places at which
+long straight lines can meet by chance."""
 
 TOUCHING = 1.0
 """Nats that a curve must have that touches what is known of the thing."""
@@ -142,19 +146,20 @@ def _best_set(seen, ring, p, q, sets, least, price):
     if own.any():
         own = log_odds(seen, _rate(seen[own], p, q), q).sum(axis=1) > 0
     m = int(own.sum())
-    options = [(np.ones(k, bool), 0.0)]
-    options += [(known, np.log(1 + len(sets))) for known in sets if not known.all()]
+    options = [(np.ones(k, bool), 0.0, price)]
+    options += [(known, np.log(1 + len(sets)), price) for known in sets if not known.all()]
     if 2 <= m < k:
-        options.append((own, gammaln(k + 1) - gammaln(m + 1) - gammaln(k - m + 1) + np.log(k)))
+        options.append((own, gammaln(k + 1) - gammaln(m + 1) - gammaln(k - m + 1) + np.log(k), price + PLACES))
     best = None, [], 0.0
-    for mine, cost in options:
+    enough = price
+    for mine, cost, asked in options:
         score = point_scores(seen[mine], _rate(seen[mine], p, q), q)
         parts = kept_stretches(score, ring, least, GAP)
         parts = [part for part in parts if len(part) >= SHORTEST and score[part].sum() > 0]
         total = sum(score[part].sum() for part in parts) - cost
-        if parts and total > max(best[2], price):
-            best = mine, parts, total
-    return best
+        if parts and total > best[2]:
+            best, enough = (mine, parts, total), asked
+    return best if best[2] > enough else (None, [], 0.0)
 
 
 def _rate(seen, p, q):

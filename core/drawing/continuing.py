@@ -16,8 +16,8 @@ from .evidence import Sightings
 from .overlay import Overlay
 
 GAP, FEW = 14.0, 5
-"""Tolerance: longest gap that is joined before evidence is asked; bound on the work: poses up to which single ones
-carry a curve on."""
+"""Tolerance: longest gap that is joined before evidence is asked; bound on the work: poses of a thing up to which
+single ones carry a curve on."""
 
 
 def continued(chosen: Chosen, found: Sightings, overlay: Overlay) -> Chosen:
@@ -34,7 +34,7 @@ def continued(chosen: Chosen, found: Sightings, overlay: Overlay) -> Chosen:
         open_ = [i for i in own if not chosen.closed[i]]
         out += [(chosen.curves[i], True, mine, chosen.scores[i]) for i in rings]
         paths = [chosen.curves[i] for i in open_]
-        runs = _free_runs(overlay, ~explained & mine[overlay.cell]) if mine.sum() <= FEW else []
+        runs = _free_runs(overlay, ~explained) if len(mine) <= FEW and mine.all() else []
         for line, ring, members in linked_paths([*paths, *runs], gap=GAP):
             old = [m for m in members if m < len(paths)]
             if old:

@@ -82,7 +82,9 @@ def slides(curves, motions, overlay: Overlay, *, radius):
             ways.append(gap)
             owner.append(c)
     if ways:
-        shown = [seen_by(sightings(lines, overlay, radius=radius), overlay) for lines in ([curves[c] for c in owner], ways)]
+        shown = [
+            seen_by(sightings(lines, overlay, radius=radius), overlay) for lines in ([curves[c] for c in owner], ways)
+        ]
         ends = [np.cumsum([0, *map(len, lines)]) for lines in ([curves[c] for c in owner], ways)]
         for k, c in enumerate(owner):
             here, gap = (s[:, e[k] : e[k + 1]].mean(axis=1) for s, e in zip(shown, ends))

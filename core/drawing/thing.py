@@ -68,8 +68,10 @@ class Drawer:
             chosen = merged(chosen, more)
         overlay = self._around(chosen, poses)
         chosen = continued(chosen, sightings(chosen.curves, overlay, radius=self.radius), overlay)
-        chosen, poses = self._fitted(self._trimmed(chosen, poses), poses)
-        return Drawing(chosen, poses, kept) if chosen.curves else None
+        chosen = self._trimmed(chosen, poses)
+        if not chosen.curves:
+            return None
+        return Drawing(*self._fitted(chosen, poses), kept)
 
     def _around(self, chosen: Chosen, poses):
         """Overlay of all that lies around the curves."""
@@ -121,9 +123,7 @@ class Drawer:
     def _fitted(self, chosen: Chosen, poses, rounds=2):
         """Curves and poses fitted to the samples in turn."""
         for _ in range(rounds):
-            poses = refined_poses(
-                self.network, chosen.curves, poses, self.free, radius=self.radius, sets=chosen.sets
-            )
+            poses = refined_poses(self.network, chosen.curves, poses, self.free, radius=self.radius, sets=chosen.sets)
             overlay = gather(self.network, poses, np.concatenate(chosen.curves), self.free, 2 * self.radius)
             curves = fitted_curves(
                 chosen.curves, chosen.closed, chosen.sets, overlay, radius=self.radius, tick=self.tick
