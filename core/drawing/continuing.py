@@ -34,7 +34,7 @@ def continued(chosen: Chosen, found: Sightings, overlay: Overlay) -> Chosen:
         open_ = [i for i in own if not chosen.closed[i]]
         out += [(chosen.curves[i], True, mine, chosen.scores[i]) for i in rings]
         paths = [chosen.curves[i] for i in open_]
-        runs = _free_runs(overlay, ~explained) if len(mine) <= FEW and mine.all() else []
+        runs = free_runs(overlay, ~explained) if len(mine) <= FEW and mine.all() else []
         for line, ring, members in linked_paths([*paths, *runs], gap=GAP):
             old = [m for m in members if m < len(paths)]
             if old:
@@ -54,7 +54,7 @@ def explained_items(chosen, found, overlay):
     return seen[overlay.sample]
 
 
-def _free_runs(overlay, free):
+def free_runs(overlay, free):
     """Stretches (k, 3) of consecutive free samples, long enough to be a curve."""
     at = np.flatnonzero(free)
     cut = np.flatnonzero((np.diff(at) != 1) | (np.diff(overlay.run[at]) != 0)) + 1

@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 from ..network import CurveNetwork
 from .choosing import Chosen, choose, connected, merged, trimmed
 from .consensus import candidate_curves
-from .continuing import continued, explained_items
+from .continuing import continued, explained_items, free_runs
 from .evidence import LEAST_SHOWN, MOST_SHOWN, chances, seen_by, sightings
 from .fitting import fitted_curves, own_evidence, refined_poses
 from .overlay import gather
@@ -19,6 +19,9 @@ from .sliding import relative_motions, slides
 
 LENIENT = 0.4
 """Tolerance: share of chance up to which candidates are proposed in what is left; evidence decides about them."""
+
+SINGLE, ANOTHER = 150, 1.4
+"""Bound on the work: curves of single poses that are looked at; and poses that must show one, its own included."""
 
 CORE = 4.0
 """Tolerance: edge lengths from the core within which a candidate tells how much a pose shows."""
@@ -62,10 +65,13 @@ class Drawer:
             region = np.concatenate(chosen.curves)
         chosen, poses = self._fitted(chosen, poses)
         for _ in range(passes):
-            more = self._rest(chosen, poses)
+            more = self._rest(chosen, poses, self._agreed)
             if not more.curves:
                 break
             chosen = merged(chosen, more)
+        more = self._rest(chosen, poses, self._single)
+        if more.curves:
+            chosen, poses = self._fitted(merged(chosen, more), poses)
         overlay = self._around(chosen, poses)
         chosen = continued(chosen, sightings(chosen.curves, overlay, radius=self.radius), overlay)
         chosen = self._trimmed(chosen, poses)
@@ -131,8 +137,23 @@ class Drawer:
             chosen = Chosen(curves, chosen.closed, chosen.sets, chosen.scores)
         return chosen, poses
 
-    def _rest(self, chosen: Chosen, poses) -> Chosen:
-        """Curves that the poses agree on in what the chosen ones leave."""
+    def _agreed(self, overlay):
+        """Candidates where the poses agree."""
+        return candidate_curves(overlay, epsilon=self.epsilon, chance=LENIENT, tick=self.tick)
+
+    def _single(self, overlay):
+        """Candidates as single poses show them, those that others show best; where holes leave little to agree on."""
+        runs = free_runs(overlay, np.ones(len(overlay.points), bool))
+        if not runs:
+            return [], []
+        found = sightings(runs, overlay, radius=self.radius)
+        seen = seen_by(found, overlay)
+        poses = np.add.reduceat(seen, found.offsets[:-1], axis=1, dtype=float).sum(axis=0) / np.diff(found.offsets)
+        best = np.argsort(-poses, kind="stable")[:SINGLE]
+        return [runs[c] for c in best if poses[c] > ANOTHER], [False] * int((poses[best] > ANOTHER).sum())
+
+    def _rest(self, chosen: Chosen, poses, candidates) -> Chosen:
+        """Of the candidates in what the chosen curves leave, those that the evidence is for."""
         drawn = np.concatenate(chosen.curves)
         around = self._around(chosen, poses)
         found = sightings(chosen.curves, around, radius=self.radius)
@@ -140,7 +161,7 @@ class Drawer:
         nothing = Chosen([], [], np.zeros((0, len(poses)), bool), np.zeros(0))
         if not len(overlay.points):
             return nothing
-        curves, closed = candidate_curves(overlay, epsilon=self.epsilon, chance=LENIENT, tick=self.tick)
+        curves, closed = candidates(overlay)
         motions = relative_motions(poses, drawn)
         curves, closed = self._staying(curves, closed, motions, around)
         if not curves:
