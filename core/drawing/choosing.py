@@ -17,7 +17,18 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 from scipy.special import gammaln
 
-from .evidence import LEAST_SHOWN, RIVAL, Sightings, chances, kept_stretches, log_odds, point_scores, seen_by, sightings
+from .evidence import (
+    LEAST_CHANCE,
+    LEAST_SHOWN,
+    RIVAL,
+    Sightings,
+    chances,
+    kept_stretches,
+    log_odds,
+    point_scores,
+    seen_by,
+    sightings,
+)
 from .homing import at_home
 from .overlay import Overlay
 
@@ -204,7 +215,9 @@ def trimmed(chosen: Chosen, seen, offsets, p, q, least) -> Chosen:
     out = []
     for c, (curve, ring, mine) in enumerate(zip(chosen.curves, chosen.closed, chosen.sets)):
         here = seen[mine, offsets[c] : offsets[c + 1]]
-        score = point_scores(here, _rate(here, p, q[c]), q[c])
+        # Other curves of the thing, which the decoys hit, explain their samples already.
+        chance = min(q[c], 0.5 * max(here.mean(), 2 * LEAST_CHANCE))
+        score = point_scores(here, _rate(here, p, chance), chance)
         for part in kept_stretches(score, ring, least, GAP):
             if len(part) >= SHORTEST:
                 out.append((curve[part], ring and len(part) == len(curve), mine, score[part].sum()))
