@@ -17,7 +17,19 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 from scipy.special import gammaln
 
-from .evidence import LEAST_SHOWN, RIVAL, Sightings, chances, kept_stretches, log_odds, point_scores, seen_by, sightings
+from ..geometry.motions import apply
+from .evidence import (
+    LEAST_CHANCE,
+    LEAST_SHOWN,
+    RIVAL,
+    Sightings,
+    chances,
+    kept_stretches,
+    log_odds,
+    point_scores,
+    seen_by,
+    sightings,
+)
 from .homing import at_home
 from .overlay import Overlay
 
@@ -51,7 +63,7 @@ class Chosen:
         )  # fmt: skip
 
 
-def choose(curves, closed, overlay: Overlay, core, *, p, least, join, radius, motions, sets=()) -> Chosen:
+def choose(curves, closed, overlay: Overlay, core, *, p, least, join, radius, motions, halves, sets=()) -> Chosen:
     """Of candidate curves those that the evidence is for.
 
     Parameters
@@ -60,6 +72,7 @@ def choose(curves, closed, overlay: Overlay, core, *, p, least, join, radius, mo
     p : share of a curve that a pose shows
     least : nats that a curve must have at `join` edge lengths from what is known of the thing; the less, the closer
     motions : (m, 4, 4) float64, from poses to their neighbours, in the thing's frame
+    halves : (h, k) bool, sets of poses that lie together, see `halves_of`
     sets : (k,) bool arrays, sets of poses that other curves have
     """
     q = np.minimum(chances(curves, overlay, radius=radius), 0.9 * p)
@@ -80,7 +93,7 @@ def choose(curves, closed, overlay: Overlay, core, *, p, least, join, radius, mo
             fresh = taken[overlay.sample[item]] - found.distance[here] > RIVAL
             seen = np.zeros((overlay.cells, len(curves[c])), bool)
             seen[overlay.cell[item[fresh]], point[fresh]] = True
-            mine, parts, score = _best_set(seen, closed[c], p, q[c], sets, least, price)
+            mine, parts, score = _best_set(seen, closed[c], p, q[c], sets, halves, least, price)
             if mine is None:
                 again.append(c)
                 continue
@@ -135,19 +148,23 @@ def _order(found: Sightings, overlay, curves, core, p):
     return np.argsort(-(np.clip(share / p, 0, 1).sum(axis=0) - NEAR * away / size), kind="stable")
 
 
-def _best_set(seen, ring, p, q, sets, least, price):
+def _best_set(seen, ring, p, q, sets, halves, least, price):
     """The poses (k,) bool at which a curve is best said to be, the stretches of it that are left, and its nats.
 
-    seen : (k, n) bool; least : nats against a stretch that cut it out; price : nats that a curve must have. None where
-    nothing pays.
+    seen : (k, n) bool; halves : (h, k) bool, sets that are cheap to name; least : nats against a stretch that cut it
+    out; price : nats that a curve must have. None where nothing pays.
     """
     k = len(seen)
-    own = log_odds(seen, _rate(seen, p, q), q).sum(axis=1) > 0
-    if own.any():
-        own = log_odds(seen, _rate(seen[own], p, q), q).sum(axis=1) > 0
+    each = log_odds(seen, _rate(seen, p, q), q).sum(axis=1)
+    if (each > 0).any():
+        each = log_odds(seen, _rate(seen[each > 0], p, q), q).sum(axis=1)
+    own = each > 0
     m = int(own.sum())
     options = [(np.ones(k, bool), 0.0, price)]
     options += [(known, np.log(1 + len(sets)), price) for known in sets if not known.all()]
+    if len(halves):
+        half = halves[np.argmax(halves @ each)]
+        options.append((half, np.log(len(halves)), price + PLACES))
     if 2 <= m < k:
         options.append((own, gammaln(k + 1) - gammaln(m + 1) - gammaln(k - m + 1) + np.log(k), price + PLACES))
     best = None, [], 0.0
@@ -160,6 +177,25 @@ def _best_set(seen, ring, p, q, sets, least, price):
         if parts and total > best[2]:
             best, enough = (mine, parts, total), asked
     return best if best[2] > enough else (None, [], 0.0)
+
+
+def halves_of(poses, points):
+    """(h, k) bool, the sets of two poses or more that lie on one side of a plane across a main direction of all: the
+    upper row, all bays but the last. They are cheap to name.
+
+    points : (n, 3) float64, of the thing
+    """
+    k = len(poses)
+    if k < 3:
+        return np.zeros((0, k), bool)
+    at = apply(poses, points.mean(axis=0)[None])[:, 0]
+    at = at - at.mean(axis=0)
+    order = np.argsort(at @ np.linalg.eigh(at.T @ at)[1], axis=0, kind="stable")
+    rank = np.argsort(order, axis=0, kind="stable")
+    cut = np.arange(2, k)
+    low = rank.T[:, None] < cut[:, None]
+    high = rank.T[:, None] >= (k - cut)[:, None]
+    return np.concatenate([low.reshape(-1, k), high.reshape(-1, k)])
 
 
 def _rate(seen, p, q):
@@ -204,7 +240,9 @@ def trimmed(chosen: Chosen, seen, offsets, p, q, least) -> Chosen:
     out = []
     for c, (curve, ring, mine) in enumerate(zip(chosen.curves, chosen.closed, chosen.sets)):
         here = seen[mine, offsets[c] : offsets[c + 1]]
-        score = point_scores(here, _rate(here, p, q[c]), q[c])
+        # Other curves of the thing, which the decoys hit, explain their samples already.
+        chance = min(q[c], 0.5 * max(here.mean(), 2 * LEAST_CHANCE))
+        score = point_scores(here, _rate(here, p, chance), chance)
         for part in kept_stretches(score, ring, least, GAP):
             if len(part) >= SHORTEST:
                 out.append((curve[part], ring and len(part) == len(curve), mine, score[part].sum()))

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ..network.network import CurveNetwork
-from .choosing import Chosen, choose, connected, merged, trimmed
+from .choosing import Chosen, choose, connected, halves_of, merged, trimmed
 from .consensus import candidate_curves
 from .continuing import continued, explained_items, free_runs
 from .evidence import LEAST_SHOWN, MOST_SHOWN, chances, seen_by, sightings
@@ -45,6 +45,7 @@ class Drawer:
         self.epsilon, self.radius = parameters.epsilon, 1.25 * parameters.epsilon
         self.margin, self.join = parameters.margin, parameters.join
         self.least = -np.log(parameters.significance)
+        self.how = {"least": self.least, "join": self.join, "radius": self.radius}
 
     def draw(self, points, poses, rounds=2, passes=2) -> Drawing | None:
         """The curves of a thing, given points (m, 3) of it and poses (k, 4, 4); None where nothing is left of it."""
@@ -100,7 +101,7 @@ class Drawer:
         if not curves:
             return Chosen([], [], np.zeros((0, len(poses)), bool), np.zeros(0))
         p = self._shown(curves, overlay, core)
-        how = {"p": p, "least": self.least, "join": self.join, "radius": self.radius, "motions": motions}
+        how = {"p": p, "motions": motions, "halves": halves_of(poses, core), **self.how}
         return connected(choose(curves, closed, overlay, core, **how), core, self.join)
 
     def _staying(self, curves, closed, motions, overlay):
@@ -121,7 +122,10 @@ class Drawer:
         found = sightings(chosen.curves, overlay, radius=self.radius)
         p = self._typical(chosen, found, overlay)
         q = np.minimum(chances(chosen.curves, overlay, radius=self.radius), 0.9 * p)
-        good = own_evidence(found, overlay, chosen.curves, chosen.sets, p, q) > 0
+        # The more of the thing a pose lacks, the more must what it has speak for it.
+        size = np.diff(found.offsets)
+        price = self.least * (1 - 1.5 * (size @ chosen.sets) / size.sum())
+        good = own_evidence(found, overlay, chosen.sets, p, q) > price
         sets = chosen.sets[:, good]
         use = np.flatnonzero(sets.sum(axis=1) >= 2)
         return Chosen(chosen.curves, chosen.closed, sets, chosen.scores).part(use), good
@@ -167,7 +171,7 @@ class Drawer:
         if not curves:
             return nothing
         p = self._typical(chosen, found, around)
-        how = {"p": p, "least": self.least, "join": self.join, "radius": self.radius, "motions": motions}
+        how = {"p": p, "motions": motions, "halves": halves_of(poses, drawn), **self.how}
         more = choose(curves, closed, overlay, drawn, sets=list(np.unique(chosen.sets, axis=0)), **how)
         return connected(more, drawn, self.join)
 
