@@ -43,7 +43,7 @@ class Drawer:
     def __init__(self, network: CurveNetwork, free, parameters, tick=None):
         self.network, self.free, self.tick = network, free, tick or (lambda: None)
         self.epsilon, self.radius = parameters.epsilon, 1.25 * parameters.epsilon
-        self.margin, self.join = parameters.margin, parameters.join
+        self.margin, self.join = parameters.thing_margin, parameters.thing_gap
         self.least = -np.log(parameters.significance)
         self.how = {"least": self.least, "join": self.join, "radius": self.radius}
 

@@ -110,10 +110,10 @@ def with_more_poses(field: Field, thing: Hypothesis, seeds: Seeds, taken) -> Hyp
     good = np.flatnonzero(score > cost)
     poses, cost, score = align(field, poses[good], thing.probe, radii=(2.5, 2.0)), cost[good], score[good]
     good = np.flatnonzero(_prominence(field, thing, poses, owned) >= PROMINENT)
-    return _accepted(field, thing, poses[good], cost[good], owned)
+    return accepted(field, thing, poses[good], cost[good], owned)
 
 
-def _accepted(field, thing, poses, cost, owned):
+def accepted(field, thing, poses, cost, owned):
     """The thing with those of the poses (k, 4, 4) that pay, the best first, each sample explained once."""
     known, scores, costs = [thing.poses], [thing.scores], [thing.cost]
     alive = np.ones(len(poses), bool)
