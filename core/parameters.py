@@ -35,7 +35,7 @@ class Parameters:
     )
     bayes_ratio: float = _value(10.0, FACTOR, "Bayes ratio K that keeps a transformation (section 4.2.2)", 1)
     keep_odds: float = _value(
-        1.0, FACTOR, "odds to be no clutter above which a curve that does not recur is kept (section 5.1)", 0.001
+        3.0, FACTOR, "odds to be no clutter above which a curve that does not recur is kept (section 5.1)", 0.001
     )
     smoothing: float = _value(3.0, EDGES, "standard deviation of the smoothing along each curve", 0, 20)
     link_gap: float = _value(

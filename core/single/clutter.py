@@ -79,7 +79,7 @@ def fit_mixture(pieces, known, *, step, strength=None) -> Mixture:
     share = 0.5
     for _ in range(ROUNDS):
         # Clutter comes of the noise that makes curves jagged: where they run smoothly little of it is expected.
-        calm = PRIOR * bends.curve / (10 * LOOSE)
+        calm = PRIOR * (bends.curve / (10 * LOOSE)) ** 1.5
         more = min(calm, CALM * count)
         share = (belief[free & speaks].sum() + PRIOR + more) / (count + 2 * PRIOR + more)
         bends.fit(belief)
@@ -97,7 +97,7 @@ def fit_mixture(pieces, known, *, step, strength=None) -> Mixture:
 PRIOR, FIRM, LOOSE, SHARES = 2.0, 20.0, 2.0, np.array([0.75, 0.15, 0.1])
 """What is believed before anything is seen: pieces of each kind; how many half steps the beliefs about them weigh; the
 concentration of clutter; and the shares of smooth, bent and turning steps of curves."""
-ALIKE, CALM = 0.02, 10.0
+ALIKE, CALM = 0.02, 30.0
 """Share of curves that are as clutter is in one respect, be it that they wind throughout or are short; and for how many
 times the pieces of a scene its calmness may speak."""
 

@@ -94,5 +94,5 @@ def _around(tip, way, gap):
     # As if a few more ends lay about in no order.
     moments = (moments + 2 * np.eye(3) / 3) / (2 * k - 1 + 2)
     value, vector = np.linalg.eigh(moments)
-    count = np.array([len(c) for c in tree.query_ball_point(tip, gap)], float) if q else np.zeros(0)
+    count = tree.query_ball_point(tip, gap, return_length=True).astype(float)
     return vector[:, :, 0], np.sqrt(np.maximum(value[:, 0], FLAT**2)), np.maximum(count - 1, 1.0)
