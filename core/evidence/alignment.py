@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..geometry.motions import motion
+from ..geometry.motions import motion, skew
 from .field import Field, Probe
 
 ALONG, TURN = 0.02, 0.2
@@ -81,7 +81,8 @@ def _step(points, targets, lines, hit):
 
 
 def turned(vectors):
-    """Rotations (k, 3, 3) of rotation vectors (k, 3)."""
-    from ..geometry.motions import exponential
-
-    return exponential(np.concatenate([vectors, np.zeros_like(vectors)], axis=1))[:, :3, :3]
+    """Rotations (k, 3, 3) of rotation vectors (k, 3), by the formula of Rodrigues."""
+    angle = np.linalg.norm(vectors, axis=1)[:, None, None]
+    a = np.maximum(angle, 1e-8)
+    k = skew(vectors)
+    return np.eye(3) + np.sin(a) / a * k + (1 - np.cos(a)) / a**2 * (k @ k)

@@ -12,7 +12,8 @@ from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
 
 from ..network.network import CurveNetwork
-from ..support import FACING, NeighbourField
+from ..support import FACING
+from .nearest import NearestTable
 
 COSINE = 0.8
 """Least cosine between the tangent of a moved point and that of the sample that shows it (tolerance)."""
@@ -60,7 +61,7 @@ class Field:
         self.network, self.radius = network, radius
         self.points, self.tangents, self.weights = network.points, network.tangents, network.weights
         self.tree = cKDTree(self.points)
-        self._table = NeighbourField(self.points, REACH, voxel=radius / 3, most=1 << 25)
+        self._table = NearestTable(self.points, REACH, radius / 2)
 
     def __len__(self):
         return len(self.points)
@@ -73,10 +74,7 @@ class Field:
 
     def nearest(self, points, radius=None):
         """Nearest samples (...,) int32 of points (..., 3), -1 where none is within the radius."""
-        table = self._table
-        at = ((points - table.low) / table.voxel)
-        at = np.where(at < 0, -1, at).astype(np.int32)
-        near = table.look_up(at[..., 0], at[..., 1], at[..., 2])
+        near = self._table.look_up(points)
         gap = points - self.points[near]
         radius = self.radius if radius is None else radius
         near[np.einsum("...i,...i->...", gap, gap) > radius * radius] = -1
