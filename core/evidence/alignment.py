@@ -5,8 +5,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..geometry.motions import motion, skew
+from ..geometry.motions import motion
 from .field import Field, Probe
+from .screws import turned
 
 ALONG, TURN = 0.02, 0.2
 """Weight of the distance along a curve beside that across it (holds what nothing else holds), and the largest turn of
@@ -79,10 +80,3 @@ def _step(points, targets, lines, hit):
     turn = turned(step[:, :3])
     return motion(turn, step[:, 3:] + centre - np.einsum("kij,kj->ki", turn, centre))
 
-
-def turned(vectors):
-    """Rotations (k, 3, 3) of rotation vectors (k, 3), by the formula of Rodrigues."""
-    angle = np.linalg.norm(vectors, axis=1)[:, None, None]
-    a = np.maximum(angle, 1e-8)
-    k = skew(vectors)
-    return np.eye(3) + np.sin(a) / a * k + (1 - np.cos(a)) / a**2 * (k @ k)

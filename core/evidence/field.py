@@ -75,7 +75,7 @@ class Field:
     def nearest(self, points, radius=None):
         """Nearest samples (...,) int32 of points (..., 3), -1 where none is within the radius."""
         near = self._table.look_up(points)
-        gap = points - self.points[near]
+        gap = points - np.take(self.points, near, axis=0)
         radius = self.radius if radius is None else radius
         near[np.einsum("...i,...i->...", gap, gap) > radius * radius] = -1
         return near
@@ -83,9 +83,9 @@ class Field:
     def shown_by(self, probe: Probe, radius=None):
         """Samples (...,) int32 that show the points of a probe: near, along the same line, facing the same way; or -1."""
         near = self.nearest(probe.points, radius)
-        same = np.abs(np.einsum("...i,...i->...", self.tangents[near], probe.tangents)) > COSINE
+        same = np.abs(np.einsum("...i,...i->...", np.take(self.tangents, near, axis=0), probe.tangents)) > COSINE
         if probe.normals is not None and self.network.normals is not None:
-            same &= np.einsum("...i,...i->...", self.network.normals[near], probe.normals) > FACING
+            same &= np.einsum("...i,...i->...", np.take(self.network.normals, near, axis=0), probe.normals) > FACING
         if probe.kind is not None and self.network.kind is not None:
             same &= self.network.kind[near] == probe.kind
         near[~same] = -1

@@ -70,16 +70,15 @@ class NearestTable:
         return top
 
     def look_up(self, points):
-        """Nearest samples (...,) int32 of points (..., 3), or -1; exact to about a voxel."""
-        at = (points - self.low) / self.voxel
-        inside = ((at >= 0) & (at < (self.blocks - 1) * SIDE)).all(axis=-1)
-        at = np.where(inside[..., None], at, 0).astype(np.int32)
-        outer, inner = at >> 3, at & 7
-        block = self.top[outer[..., 0] * self.strides[0] + outer[..., 1] * self.strides[1] + outer[..., 2]]
-        key = block.astype(np.int64) * SIDE**3 + (inner[..., 0] * (SIDE * SIDE) + inner[..., 1] * SIDE + inner[..., 2])
-        near = self.table[key]
-        near[~inside] = -1
-        return near
+        """Samples (...,) int32 near points (..., 3), the nearest to about a voxel; any or -1 where all are out of reach."""
+        at = (points - self.low) * (1 / self.voxel)
+        outer, inner = np.int32(0), np.int32(0)
+        for axis, (stride, side) in enumerate(zip(self.strides.astype(np.int32), (SIDE * SIDE, SIDE, 1))):
+            # What is outside is asked for at the border, where every sample is too far.
+            cell = np.clip(at[..., axis], 0, self.blocks[axis] * SIDE - 1).astype(np.int32)
+            outer = outer + (cell >> 3) * stride
+            inner = inner + (cell & 7) * np.int32(side)
+        return self.table[self.top[outer] * np.int32(SIDE**3) + inner]
 
 
 def _one_of_each_cell(at):
