@@ -103,7 +103,7 @@ def share_shown(hit):
 PRIOR = 2.0
 """Poses that the prior of the share that an occurrence shows, one half, is worth."""
 
-SHOWN = 0.35, 0.75
+SHOWN = 0.4, 0.75
 """Bounds of the share that an occurrence shows. Measured on chosen curves it runs upward; below the lower bound anything
 would be explained."""
 
