@@ -82,10 +82,8 @@ def slides(curves, motions, overlay: Overlay, *, radius):
             ways.append(gap)
             owner.append(c)
     if ways:
-        # The way to the image is not followed by any fit: it may lie a little beside the samples.
         shown = [
-            seen_by(sightings(lines, overlay, radius=2 * radius), overlay)
-            for lines in ([curves[c] for c in owner], ways)
+            seen_by(sightings(lines, overlay, radius=radius), overlay) for lines in ([curves[c] for c in owner], ways)
         ]
         ends = [np.cumsum([0, *map(len, lines)]) for lines in ([curves[c] for c in owner], ways)]
         for k, c in enumerate(owner):
