@@ -19,8 +19,9 @@ NEIGHBOURS, SAME, MOVED, MOSTLY, STRAIGHT = 6, 5.0, 4.0, 0.7, 0.97
 """Tolerances: poses around each to which motions are looked at, edge lengths (RMS) within which two motions are one,
 those that a motion must move a point, share of a curve that slides, and cosine of its tangent and its way."""
 
-RUNS_ON = 0.5
-"""Share of what is shown of a curve that must be shown of the way to its image for both to be one."""
+RUNS_ON = 0.33
+"""Share of what is shown of a curve that must be shown of the way to its image for both to be one: about where the odds
+of seen against chance are even."""
 
 
 def relative_motions(poses, points):
