@@ -32,6 +32,9 @@ LABELS = {
     "smoothing": "Smoothing",
     "link_gap": "Largest Gap",
     "epsilon": "Feature Radius",
+    "margin": "Margin",
+    "join": "Join Gap",
+    "significance": "Significance",
     "block": "Block Size",
     "threads": "Threads",
 }
