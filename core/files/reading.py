@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import InputError
-from .glb import read_glb_surface
 from .network import Reading, concatenate
 from .obj import obj_content, read_obj, read_obj_surface
 from .ply import ply_content, read_ply, read_ply_surface
@@ -17,9 +16,7 @@ from .ridges import read_ridges
 from .stl import read_stl_surface
 
 CURVE_READERS = {".obj": read_obj, ".ply": read_ply, ".txt": read_ridges}
-SURFACE_READERS = {
-    ".obj": read_obj_surface, ".ply": read_ply_surface, ".stl": read_stl_surface, ".glb": read_glb_surface,
-}  # fmt: skip
+SURFACE_READERS = {".obj": read_obj_surface, ".ply": read_ply_surface, ".stl": read_stl_surface}
 CONTENTS = {".obj": obj_content, ".ply": ply_content}
 
 
@@ -45,7 +42,7 @@ def read_curves(paths) -> Reading:
 
 
 def read_surface(path):
-    """Points (n, 3) float64 and triangles (m, 3) int64 of a .ply, .obj, .stl or .glb file."""
+    """Points (n, 3) float64 and triangles (m, 3) int64 of a .ply, .obj or .stl file."""
     return _reader(path, SURFACE_READERS, "a surface")(path)
 
 

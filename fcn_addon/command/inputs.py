@@ -7,39 +7,45 @@ from pathlib import Path
 
 from ...core.errors import InputError
 from ...core.files.reading import CURVE_READERS, SURFACE_READERS, content, read_curves, read_surface
+from ..formats import BLENDER, is_blenders
 from ..scans import Scan
 
 
-def is_blend(path) -> bool:
-    return Path(path).suffix.lower() == ".blend"
-
-
-def read(options, say) -> list:
-    """A Reading or a Scan for each of what the inputs hold, in their order.
+def read(options, say):
+    """A Reading or a Scan for each of what the inputs hold, in their order; and what was left out, rows of the report.
 
     Parameters
     ----------
     options : of the command line
-    say : called with a line where of two things one is taken
+    say : called with a line where something is left out
     """
-    if (options.object or options.collection) and not any(is_blend(path) for path in options.input):
-        raise InputError("--object and --collection choose from a .blend file; give one, or leave them out")
-    found = []
+    blenders = [path for path in options.input if is_blenders(path)]
+    for name in ("object", "collection", "hidden"):
+        if getattr(options, name) and not blenders:
+            raise InputError(f"--{name} chooses from a .blend file or another scene; give one, or leave it out")
+    found, rows = [], []
     for path in options.input:
-        if is_blend(path):
-            from . import blend_file
-
-            found += blend_file.read(path, options.object, options.collection, say)
+        if path in blenders:
+            parts, skipped = _read_scene(path, options, say)
+            found += parts
+            rows += [{"file": str(path), **row} for row in skipped.rows()]
         else:
             found.append(_read(path, options.take_edges, say))
     _check(options, found)
-    return found
+    return found, rows
+
+
+def _read_scene(path, options, say):
+    from . import blend_file
+
+    choice = blend_file.Choice(tuple(options.object), tuple(options.collection), options.hidden, options.take_edges)
+    return blend_file.read(path, choice, say)
 
 
 def _read(path, take_edges, say):
     suffix = Path(path).suffix.lower()
     if suffix not in CURVE_READERS and suffix not in SURFACE_READERS:
-        known = ", ".join(sorted({*CURVE_READERS, *SURFACE_READERS, ".blend"}))
+        known = ", ".join(sorted({*CURVE_READERS, *SURFACE_READERS, *BLENDER}))
         raise InputError(f"{path}: a {suffix or 'nameless'} file cannot be read; give one of {known}")
     has = content(path)
     if suffix == ".ply" and not has.faces and not has.curves:

@@ -6,13 +6,13 @@ from __future__ import annotations
 import signal
 import time
 from contextlib import contextmanager
-from importlib.util import find_spec
 from pathlib import Path
 
 from ...core.errors import Cancelled, InputError
 from ...core.files.network import concatenate
 from ...core.files.reading import mean_edge_length, read_surface
 from .. import installation, scans
+from ..formats import is_blenders, require_blender
 from . import arguments, inputs, writing
 from .figure import figure
 from .outputs import Outputs
@@ -47,13 +47,15 @@ def _run(options, terminal):
     sources = [*options.input, *([options.surface] if options.surface else [])]
     with Outputs(wanted.values(), sources) as outputs:
         began = time.perf_counter()
-        parts = inputs.read(options, terminal.say)
+        parts, left_out = inputs.read(options, terminal.say)
         seconds = {"read": time.perf_counter() - began}
         began = time.perf_counter()
         parts, detected = _detect(parts, detection, kinds, terminal)
         seconds["detect"] = time.perf_counter() - began
         if options.detect_only:
-            said = writing.write_detected(detected, detection, kinds, seconds, wanted, outputs, _name(options))
+            said = writing.write_detected(
+                detected, detection, kinds, seconds, wanted, outputs, _name(options), left_out
+            )
         else:
             reading = concatenate(parts)
             edge_length = _edge_length(options, reading)
@@ -63,6 +65,7 @@ def _run(options, terminal):
             )
             completion = _complete(reading.curves, edge_length, parameters, terminal)
             document = _report(completion, reading, parameters, seconds)
+            document["left_out"] = left_out
             document["detection"] = writing.described(detected, detection, kinds)
             writing.write(completion, document, reading, wanted, outputs, _name(options))
             said = writing.summary_line(document)
@@ -92,10 +95,9 @@ def _wanted(options) -> dict:
     for name, path in wanted.items():
         if name in endings and Path(path).suffix.lower() != endings[name]:
             raise InputError(f"{path}: --{name} writes a {endings[name]} file; end the name so")
-    if ("out" in wanted or any(inputs.is_blend(path) for path in options.input)) and find_spec("bpy") is None:
-        raise InputError(
-            "a .blend file needs Blender: use `blender -b -P run.py -- …`, or `pip install bpy` for this Python"
-        )
+    for path in (*options.input, *([wanted["out"]] if "out" in wanted else [])):
+        if is_blenders(path):
+            require_blender(path)
     if "figure" in wanted:
         figure()
     return wanted

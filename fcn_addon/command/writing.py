@@ -22,7 +22,7 @@ def described(detected, parameters, kinds):
     return {"scans": [summary(*_row(d)) for d in detected], "parameters": settings(parameters, kinds)}
 
 
-def write_detected(detected, parameters, kinds, seconds, wanted, outputs, name) -> str:
+def write_detected(detected, parameters, kinds, seconds, wanted, outputs, name, left_out=()) -> str:
     """Write the curves of all scans to what is asked for; a line about them.
 
     Parameters
@@ -30,6 +30,7 @@ def write_detected(detected, parameters, kinds, seconds, wanted, outputs, name) 
     detected : list of Detected
     wanted : name of an output -> its path
     outputs : Outputs, which has the temporary name of each path
+    left_out : what of the inputs was not taken, rows of the report
     """
     began = time.perf_counter()
     if "curves" in wanted:
@@ -44,6 +45,7 @@ def write_detected(detected, parameters, kinds, seconds, wanted, outputs, name) 
     if "report" in wanted:
         rows = [_row(d) for d in detected]
         document = detection_report(rows, parameters, kinds, version=installation.version(), seconds=seconds)
+        document["left_out"] = list(left_out)
         Path(outputs.part(wanted["report"])).write_text(json.dumps(document), encoding="utf-8")
     count = sum(len(d.found) for d in detected)
     return f"{count} feature curves; {duration(sum(seconds.values()))}"

@@ -7,8 +7,7 @@ import bpy
 import numpy as np
 
 from .. import colours
-from ..scene.curve_data import fill_mesh
-from ..scene.reader import EDGE_LENGTH, KIND, NORMAL, STRENGTH
+from ..scene.curve_data import EDGE_LENGTH, KIND, NORMAL, STRENGTH, fill_mesh
 
 
 def make(name, found):

@@ -18,7 +18,7 @@ from ..detected.kept import Measured
 from ..installation import require_scipy
 from ..properties import from_parameters
 from ..properties import settings as of_scene
-from ..scene import working_copy
+from ..reading import reader, working_copy
 from ..scene.identity import Identity
 from .session import RunKind
 
@@ -54,11 +54,16 @@ class Made:
 
 
 def scan_of(context):
-    """The mesh with faces that a run would take: the active object if it is selected, else the only one selected."""
-    surfaces = [o for o in context.selected_objects if o.type == "MESH" and len(o.data.polygons)]
+    """The mesh with faces, or the instances, that a run would take: the active object if it is selected, else the only one selected."""
+    depsgraph = context.view_layer.depsgraph
+    surfaces = [o for o in context.selected_objects if reader.evaluated_faces(o, depsgraph) or _instances(o)]
     if context.active_object in surfaces:
         return context.active_object
     return surfaces[0] if len(surfaces) == 1 else None
+
+
+def _instances(item) -> bool:
+    return item.instance_type == "COLLECTION" and item.instance_collection is not None
 
 
 def why_not(context) -> str | None:

@@ -17,6 +17,7 @@ class Summary:
     strong : curves that take part in the matching
     seconds : a rough time for the run
     again : nothing is selected, these are the curves of the active result
+    left_out : what of the chosen objects is not taken, in words
     """
 
     objects: int
@@ -26,6 +27,7 @@ class Summary:
     strong: int
     seconds: float
     again: bool = False
+    left_out: str = ""
 
 
 def summarise(curves, edge_length, parameters, objects=1, again=False) -> Summary:

@@ -12,7 +12,7 @@ def read(bpy, part):
     def call(*objects):
         bpy.context.view_layer.update()
         graph = bpy.context.evaluated_depsgraph_get()
-        return part("fcn_addon.scene.reader").read_objects(objects, graph)
+        return part("fcn_addon.reading.reader").read_curves(objects, graph)
 
     return call
 
