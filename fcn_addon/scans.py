@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..core.errors import InputError
-from ..core.files.network import Reading
+from ..core.files.reading import Reading
 from .installation import require_scipy
 
 

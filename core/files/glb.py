@@ -11,7 +11,7 @@ import json
 import numpy as np
 
 from ..errors import InputError
-from .source import load
+from .text import load
 
 _JSON, _BINARY = 0x4E4F534A, 0x004E4942
 _DTYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}

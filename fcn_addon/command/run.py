@@ -10,8 +10,8 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from ...core.errors import Cancelled, InputError
-from ...core.files.network import concatenate
-from ...core.files.reading import mean_edge_length, read_surface
+from ...core.files.reading import concatenate
+from ...core.files.formats import mean_edge_length, read_surface
 from .. import installation, scans
 from . import arguments, inputs, writing
 from .figure import figure

@@ -10,7 +10,7 @@ import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from ...core.errors import InputError
-from ...core.files.network import Reading, concatenate, curves_of_chains, curves_of_samples
+from ...core.files.reading import Reading, concatenate, curves_of_chains, curves_of_samples
 from ...core.graph import chains_of_edges
 
 KINDS = ("MESH", "CURVE", "CURVES")

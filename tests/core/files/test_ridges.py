@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from core.errors import InputError
-from core.files.reading import read_curves
+from core.files.formats import read_curves
 
 CREST = """5
 3

@@ -6,7 +6,7 @@ import pytest
 
 from core.errors import InputError
 from core.files.obj import write_obj
-from core.files.reading import mean_edge_length, read_curves, read_surface
+from core.files.formats import mean_edge_length, read_curves, read_surface
 
 SQUARE = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
 
@@ -29,7 +29,9 @@ def curves(path):
 def test_every_line_is_one_curve(obj):
     read = read_curves([obj(SQUARE + "l 1 2 3\nl 3 4 1\n")])
     assert read.count == 2
-    assert read.curves.source.tolist() == [0, 1]  # ends that meet are not joined
+    assert read.curves.closed.tolist() == [True]  # where nothing else meets them they go on as one
+    assert read.shares.line.tolist() == [0, 1]
+    assert read.shares.length.tolist() == [2, 2]
 
 
 def test_a_line_that_is_met_inside_is_cut_and_remembers_its_source(obj):
@@ -77,9 +79,9 @@ def test_weights_and_colours_of_points_are_ignored(obj):
 def test_zero_length_edges_and_isolated_points_go(obj):
     text = "v 0 0 0\nv 0 0 0\nv 1 0 0\nv 7 7 7\nv 1 0 0\nl 1 2 3\nl 3 5\nl 1 2 3 5 1\n"
     read = read_curves([obj(text)])
-    assert [read.curves.curve(i).tolist() for i in range(len(read.curves))] == [[[0, 0, 0], [1, 0, 0]]] * 2
+    assert [read.curves.curve(i).tolist() for i in range(len(read.curves))] == [[[0, 0, 0], [1, 0, 0]]]
     assert read.count == 3  # the second has no length, but it is an input curve all the same
-    assert read.curves.source.tolist() == [0, 2]
+    assert read.shares.line.tolist() == [0, 2]  # the third goes there and back where the first is
     assert not read.curves.closed.any()  # two points close nothing
 
 
@@ -87,8 +89,8 @@ def test_several_files_are_one_network(obj):
     a, b = obj(SQUARE + "l 1 2 3\nl 4 4\n", "a.obj"), obj(SQUARE + "l 1 2 3 4\n", "b.obj")
     read = read_curves([a, b])
     assert read.count == 3
-    assert read.curves.source.tolist() == [0, 2]
-    assert read.curves.offsets.tolist() == [0, 3, 7]
+    assert read.shares.line.tolist() == [0, 2]  # what is in both files is there once
+    assert read.curves.points[:, :2].tolist() == [[0, 0], [1, 0], [1, 1], [0, 1]]
 
 
 def test_far_coordinates_keep_their_digits(obj):
