@@ -72,9 +72,9 @@ class Content:
     curves: bool
 
 
-def endings(*, blender=False) -> list[str]:
-    """All endings that can be read, sorted."""
-    return sorted(e for f in (*FORMATS, *([BLENDER] if blender else [])) for e in f.endings)
+def endings(what=None) -> list[str]:
+    """The endings of files that may hold a "surface" or "curves", all if None; sorted."""
+    return sorted(e for f in (*FORMATS, BLENDER) if what is None or getattr(f, what) for e in f.endings)
 
 
 def format_of(path) -> Format | None:
@@ -104,7 +104,7 @@ def read_curves(paths, *, weld=WELD) -> Reading:
 
     weld : ends this near are one, in edge lengths, which are estimated here
     """
-    from ..network import estimate_edge_length
+    from ..network.edge_length import estimate_edge_length
     from .joining import join
 
     reading = concatenate(read_lines(path) for path in paths)

@@ -16,8 +16,8 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from ..errors import NoCurves
-from ..graph import Chains, chains_of_edges
-from ..rows import distinct_rows
+from ..geometry.chains import Chains, chains_of_edges
+from ..geometry.rows import distinct_rows
 from ..values import Curves
 from .reading import Reading, Shares
 

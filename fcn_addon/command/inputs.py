@@ -5,8 +5,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ...core.errors import InputError
-from ...core.files.reading import CURVE_READERS, SURFACE_READERS, content, read_curves, read_surface
+from ...core.errors import InputError, NoCurves
+from ...core.files import formats
 from ..scans import Scan
 
 
@@ -15,37 +15,55 @@ def is_blend(path) -> bool:
 
 
 def read(options, say) -> list:
-    """A Reading or a Scan for each of what the inputs hold, in their order.
+    """A Reading, not joined, or a Scan for each of what the inputs hold, in their order.
 
     Parameters
     ----------
     options : of the command line
-    say : called with a line where of two things one is taken
+    say : called with a line where of two things one is taken, or something is left out
     """
     if (options.object or options.collection) and not any(is_blend(path) for path in options.input):
         raise InputError("--object and --collection choose from a .blend file; give one, or leave them out")
-    found = []
-    for path in options.input:
-        if is_blend(path):
-            from . import blend_file
-
-            found += blend_file.read(path, options.object, options.collection, say)
-        else:
-            found.append(_read(path, options.take_edges, say))
+    found = [part for parts in each(options.input, lambda path: _parts(path, options, say), say) for part in parts]
     _check(options, found)
     return found
 
 
+def each(items, work, say) -> list:
+    """What `work` makes of each item; one without curves is passed over and named.
+
+    Raises InputError where none is left, NoCurves for one alone.
+    """
+    made, empty = [], []
+    for item in items:
+        try:
+            made.append(work(item))
+        except NoCurves as error:
+            empty.append(error)
+    if not made:
+        raise empty[0] if len(empty) == 1 else NoCurves(f"no input has curves: {'; '.join(map(str, empty))}")
+    for error in empty:
+        say(f"passed over: {error}")
+    return made
+
+
+def _parts(path, options, say):
+    if not is_blend(path):
+        return [_read(path, options.take_edges, say)]
+    from . import blend_file
+
+    return blend_file.read(path, options.object, options.collection, say)
+
+
 def _read(path, take_edges, say):
-    suffix = Path(path).suffix.lower()
-    if suffix not in CURVE_READERS and suffix not in SURFACE_READERS:
-        known = ", ".join(sorted({*CURVE_READERS, *SURFACE_READERS, ".blend"}))
+    if formats.format_of(path) is None:
+        suffix, known = Path(path).suffix.lower(), ", ".join(formats.endings())
         raise InputError(f"{path}: a {suffix or 'nameless'} file cannot be read; give one of {known}")
-    has = content(path)
-    if suffix == ".ply" and not has.faces and not has.curves:
-        raise InputError(f"{path}: it has points only; export the scan with its faces, or curves with their edges")
+    has = formats.content(path)
+    if Path(path).suffix.lower() == ".ply" and not has.faces and not has.curves:
+        raise NoCurves(f"{path}: it has points only; export the scan with its faces, or curves with their edges")
     if take_edges and has.faces and not has.curves:
-        raise InputError(f"{path}: it has no edges or lines of its own; leave --take-edges out to detect its curves")
+        raise NoCurves(f"{path}: it has no edges or lines of its own; leave --take-edges out to detect its curves")
     if has.faces and has.curves:
         say(
             f"{path} has faces and edges: the edges are taken"
@@ -53,8 +71,11 @@ def _read(path, take_edges, say):
             else f"{path} has faces and edges: it is taken as a scan, its edges are left out; --take-edges takes them"
         )
     if has.faces and not take_edges:
-        return Scan(str(path), *read_surface(path))
-    return read_curves([path])
+        return Scan(str(path), *formats.read_surface(path))
+    reading = formats.read_lines(path)
+    if reading.left_out:
+        say(f"{path}: left out are {reading.left_out}")
+    return reading
 
 
 def _check(options, found):

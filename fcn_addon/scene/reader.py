@@ -11,7 +11,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 
 from ...core.errors import InputError
 from ...core.files.reading import Reading, concatenate, curves_of_chains, curves_of_samples
-from ...core.graph import chains_of_edges
+from ...core.geometry.chains import chains_of_edges
 
 KINDS = ("MESH", "CURVE", "CURVES")
 STRENGTH = "curvature"  # a float attribute of the points, 1 / length
