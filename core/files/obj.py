@@ -33,7 +33,7 @@ class _Statements:
 def read_obj(path) -> Reading:
     """The `l` lines of an OBJ file and its faces of two corners, as they stand there.
 
-    Each `l` line is an input curve. Where all have two indices they are single edges, which become one by joining.
+    An `l` line is an input curve; one of two indices is a single edge, which becomes a part of one by joining.
     """
     points, found = _read(path, (b"l", b"f"))
     _refuse(path, found, b"curv")
@@ -45,8 +45,7 @@ def read_obj(path) -> Reading:
         hint = "it holds a surface; give it with --surface" if found[b"f"].rows else "export edges or polylines"
         raise NoCurves(f"{path}: no `l` lines, so no curves; {hint}")
     index, offsets = _indices(path, lines, len(points))
-    size = np.diff(offsets)
-    return lines_of_points(path, points, index, offsets, named=np.full(len(size), (size != 2).any()))
+    return lines_of_points(path, points, index, offsets, named=np.diff(offsets) != 2)
 
 
 def obj_content(path) -> tuple[bool, bool]:

@@ -8,12 +8,16 @@ import numpy as np
 FLAT = 1e-9
 """Twice the area of a triangle that is none, as a share of the square of its polygon's extent."""
 
+LONGEST_FAN = 8
+"""Corners of a polygon that a fan may have: about one corner of many the triangles are slivers."""
+
 
 def triangles_of_polygons(points, index, offsets) -> np.ndarray:
     """(m, 3) int64, the triangles of polygons in 3D, in their order.
 
-    A polygon is cut into a fan about its first corner where that is right, else ear by ear. Polygons with fewer than
-    three corners have none. Corners on a straight side are kept, as the polygon beside has them.
+    A small polygon is cut into a fan about its first corner where that is right, any other ear by ear and then made
+    Delaunay. Those with fewer than three corners have none. Corners on a straight side are kept, as the polygon beside
+    has them.
 
     Parameters
     ----------
@@ -33,13 +37,14 @@ def triangles_of_polygons(points, index, offsets) -> np.ndarray:
     np.maximum.at(extent, of, np.maximum(((b - a) ** 2).sum(axis=1), ((c - a) ** 2).sum(axis=1)))
     bad = np.zeros(len(offsets) - 1, bool)
     bad[of[area <= FLAT * extent[of]]] = True
-    bad &= np.diff(offsets) > 3
+    bad = (bad & (np.diff(offsets) > 3)) | (np.diff(offsets) > LONGEST_FAN)
     if not bad.any():
         return fan
     parts, whose = [fan[~bad[of]]], [of[~bad[of]]]
     for i in np.flatnonzero(bad):
         corners = index[offsets[i] : offsets[i + 1]]
-        ears = corners[_ears(_flat(points[corners], normal[i]))]
+        flat = _flat(points[corners], normal[i])
+        ears = corners[_delaunay(flat, _ears(flat))]
         parts.append(ears)
         whose.append(np.full(len(ears), i))
     return np.concatenate(parts)[np.argsort(np.concatenate(whose), kind="stable")]
@@ -120,6 +125,40 @@ def _quality(points, ring, i) -> float:
         if inside.any():
             return -1.0 + 0.5 * least
     return float(least)
+
+
+def _delaunay(points, triangles) -> np.ndarray:
+    """The triangles of a polygon (c, 2) with inner edges flipped until no circle of one holds a corner beside it."""
+    triangles = [list(t) for t in triangles.tolist()]
+    count = len(points)
+    for _ in range(count):
+        beside, flipped = {}, set()
+        for t, corners in enumerate(triangles):
+            for k in range(3):
+                beside.setdefault(frozenset((corners[k], corners[k - 2])), []).append((t, corners[k - 1]))
+        for edge, sides in beside.items():
+            if len(sides) != 2 or len(edge) != 2:
+                continue
+            (one, c), (other, d) = sides
+            if one in flipped or other in flipped or not _is_bad(points, *edge, c, d):
+                continue
+            a, b = triangles[one][triangles[one].index(c) - 2], triangles[one][triangles[one].index(c) - 1]
+            new = [c, a, d], [d, b, c]
+            if all(_cross(points[t[1]] - points[t[0]], points[t[2]] - points[t[0]]) > FLAT for t in new):
+                triangles[one], triangles[other] = new
+                flipped |= {one, other}
+        if not flipped:
+            break
+    return np.array(triangles, np.int64)
+
+
+def _is_bad(points, a, b, c, d) -> bool:
+    """Whether the angles over the edge a, b at c and at d are over half a turn together."""
+    angles = 0.0
+    for tip in (c, d):
+        u, v = points[a] - points[tip], points[b] - points[tip]
+        angles += np.arctan2(abs(_cross(u, v)), u @ v)
+    return angles > np.pi + 1e-6
 
 
 def _cross(u, v):
