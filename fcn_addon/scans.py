@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..core.errors import InputError
-from ..core.files.network import Reading
+from ..core.errors import InputError, NoCurves
+from ..core.files.reading import Reading
 from .installation import require_scipy
 
 
@@ -51,7 +51,7 @@ def detect(scan: Scan, parameters, kinds, progress=None) -> Detected:
 
     Raises
     ------
-    InputError that names the scan, also where no curve is found
+    InputError that names the scan; NoCurves where no curve is found
     """
     require_scipy()
     from ..core import detection
@@ -66,9 +66,9 @@ def detect(scan: Scan, parameters, kinds, progress=None) -> Detected:
 
 
 def require_curves(name, found, parameters):
-    """Raise InputError where nothing was found."""
+    """Raise NoCurves where nothing was found."""
     if not len(found):
-        raise InputError(
+        raise NoCurves(
             f"{name}: no feature curve is found; lower strong_fold, {parameters.strong_fold:g} degrees, or min_length, "
             f"{parameters.min_length:g} edge lengths, or ask for other kinds"
         )

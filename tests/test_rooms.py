@@ -135,11 +135,12 @@ def test_no_module_is_longer_than_300_lines():
 
 def test_the_core_imports_numpy_and_scipy_only():
     allowed = {"core", "numpy", "scipy", *sys.stdlib_module_names}
+    drawings = {ROOT / "core" / "files" / name for name in ("dxf.py", "dxf_writing.py")}
     wrong = [
         f"{path.relative_to(ROOT)}: {name}"
         for path in modules("core")
         for name in imported(path)
-        if name.partition(".")[0] not in allowed
+        if name.partition(".")[0] not in allowed | ({"ezdxf"} if path in drawings else set())
     ]
     assert not wrong
 

@@ -1,90 +1,122 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Wavefront OBJ: curves as `l` lines or as a graph of edges, and the faces of a surface."""
+"""Wavefront OBJ: curves as `l` lines, and the faces of a surface."""
 
 from __future__ import annotations
 
 import io
 import re
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..errors import InputError
-from ..graph import chains_of_edges, split_paths
-from .network import Reading, curves_of_chains
-from .source import load, load_lines, parse_numbers
+from ..errors import InputError, NoCurves
+from .polygons import triangles_of_polygons
+from .reading import Reading, lines_of_points
+from .text import load_text, parse_numbers
+
+FREE_FORM = {
+    b"curv": ("free-form curves", "convert them to polylines"),
+    b"surf": ("free-form surfaces", "convert them to a mesh"),
+}
+"""Statements that are not read, what they are and what to do."""
+
+
+@dataclass
+class _Statements:
+    """Statements of one keyword: their words without it, the line of each, and how many points stand before it."""
+
+    rows: list[bytes] = field(default_factory=list)
+    numbers: list[int] = field(default_factory=list)
+    before: list[int] = field(default_factory=list)
 
 
 def read_obj(path) -> Reading:
-    """Read the `l` lines of an OBJ file.
+    """The `l` lines of an OBJ file and its faces of two corners, as they stand there.
 
-    Each `l` line is one curve, cut where others meet it inside; a closed one repeats its first index. Where every
-    `l` line has two indices, the lines are the edges of a graph, which is split into curves at junctions and ends.
+    An `l` line is an input curve; one of two indices is a single edge, which becomes a part of one by joining.
     """
-    points, statements, numbers, before = _read(path, b"l")
-    if not statements:
-        hint = "it holds a surface; give it with --surface" if _read(path, b"f")[1] else "export edges or polylines"
-        raise InputError(f"{path}: no `l` lines, so no curves; {hint}")
-    index, offsets = _indices(path, statements, numbers, before, len(points))
-    if (np.diff(offsets) == 2).all():
-        chains = chains_of_edges(index.reshape(-1, 2))
-    else:
-        chains = split_paths(index, offsets)
-    return curves_of_chains(path, points, chains)
+    points, found = _read(path, (b"l", b"f"))
+    _refuse(path, found, b"curv")
+    lines = [found[b"l"]]
+    edges = _of_two(found[b"f"])
+    if edges.rows:
+        lines.append(edges)
+    if not any(s.rows for s in lines):
+        hint = "it holds a surface; give it with --surface" if found[b"f"].rows else "export edges or polylines"
+        raise NoCurves(f"{path}: no `l` lines, so no curves; {hint}")
+    index, offsets = _indices(path, lines, len(points))
+    return lines_of_points(path, points, index, offsets, named=np.diff(offsets) != 2)
 
 
 def obj_content(path) -> tuple[bool, bool]:
-    """Whether the file has `f` lines, and whether it has `l` lines."""
-    data = load(path)
-    return tuple(re.search(rb"^[ \t]*" + word + rb"[ \t]", data, re.MULTILINE) is not None for word in (b"f", b"l"))
+    """Whether the file has faces, and whether it has lines or faces of two corners, which are edges."""
+    data = load_text(path)
+    face = re.search(rb"^[ \t]*f[ \t]+\S+[ \t]+\S+(?:[ \t]+[^\s\\#]|[ \t]*\\\s*$)", data, re.MULTILINE) is not None
+    line = re.search(rb"^[ \t]*(?:l[ \t]|f[ \t]+[^\s#]+[ \t]+[^\s#\\]+[ \t]*\r?$)", data, re.MULTILINE) is not None
+    return face, line
 
 
 def read_obj_surface(path):
-    """Points (n, 3) float64 and triangles (m, 3) int64 of the `f` lines; polygons are cut into fans."""
-    points, statements, numbers, before = _read(path, b"f")
-    if not statements:
+    """Points (n, 3) float64 and triangles (m, 3) int64 of the `f` lines."""
+    points, found = _read(path, (b"f",))
+    _refuse(path, found, b"surf")
+    if not found[b"f"].rows:
         raise InputError(f"{path}: no faces, so no surface; give the scan that the curves come from")
-    index, offsets = _indices(path, statements, numbers, before, len(points))
-    return points, fans(index, offsets)
+    index, offsets = _indices(path, [found[b"f"]], len(points))
+    return points, triangles_of_polygons(points, index, offsets)
 
 
-def fans(index, offsets) -> np.ndarray:
-    """(m, 3) int64, each polygon ``index[offsets[i]:offsets[i + 1]]`` as triangles about its first corner."""
-    count = np.maximum(np.diff(offsets) - 2, 0)
-    first = np.repeat(offsets[:-1], count)
-    step = np.arange(len(first)) - np.repeat(np.cumsum(count) - count, count) + 1
-    return np.stack([index[first], index[first + step], index[first + step + 1]], axis=1)
+def _refuse(path, found, word):
+    if found[word].rows:
+        what, remedy = FREE_FORM[word]
+        raise InputError(
+            f"{path}: line {found[word].numbers[0]}: {what} (`{word.decode()}`) are not read; {remedy} and export again"
+        )
 
 
-def _read(path, keyword):
-    """Points, the statements that begin with `keyword` without it, their lines, and the points before each."""
-    vertices, vertex_numbers, statements, numbers, before = [], [], [], [], []
-    lines = load_lines(path)
-    for number, line in enumerate(_continued(lines), 1):
+def _of_two(statements) -> _Statements:
+    """The statements of two indices."""
+    rows = zip(statements.rows, statements.numbers, statements.before)
+    return _Statements(*map(list, zip(*(row for row in rows if len(row[0].split(None, 2)) == 2))))
+
+
+def _read(path, keywords):
+    """Points, and the statements of each keyword; those that are free-form are always among them."""
+    vertices, vertex_numbers = [], []
+    found = {word: _Statements() for word in (*keywords, *FREE_FORM)}
+    for number, line in enumerate(_continued(load_text(path)), 1):
         if line[:1].isspace():
             line = line.lstrip()
-        head = line[:2]
-        if head == b"v " or head == b"v\t":
+        if line[:2] in (b"v ", b"v\t"):
             vertices.append(line)
             vertex_numbers.append(number)
-        elif head[:1] == keyword and head[1:] in (b" ", b"\t"):
-            statements.append(line[2:].split(b"#", 1)[0])
-            numbers.append(number)
-            before.append(len(vertices))
+            continue
+        statements = found.get(line[:5].split(None, 1)[0]) if line[:1] in (b"l", b"f", b"c", b"s") else None
+        if statements is not None:
+            words = line.split(b"#", 1)[0].split(None, 1)
+            statements.rows.append(words[1] if len(words) > 1 else b"")
+            statements.numbers.append(number)
+            statements.before.append(len(vertices))
     if not vertices:
         raise InputError(f"{path}: no `v` lines; this is not an OBJ file or it was cut off")
-    return _points(path, vertices, vertex_numbers), statements, numbers, before
+    return _points(path, vertices, vertex_numbers), found
 
 
-def _continued(lines):
+def _continued(data):
     """The lines, with one that ends in a backslash joined to the next; what is joined leaves an empty line behind."""
-    if not any(line.endswith(b"\\") for line in lines):
+    lines = data.splitlines()
+    if b"\\" not in data:
         return lines
-    lines, begin = list(lines), 0
-    for i in range(1, len(lines)):
-        if lines[begin].endswith(b"\\"):
-            lines[begin], lines[i] = lines[begin][:-1] + b" " + lines[i], b""
-        else:
-            begin = i
+    at = 0
+    while at < len(lines):
+        begin, parts = at, [lines[at]]
+        while parts[-1].rstrip().endswith(b"\\") and b"#" not in parts[-1] and at + 1 < len(lines):
+            parts[-1] = parts[-1].rstrip()[:-1]
+            at += 1
+            parts.append(lines[at])
+            lines[at] = b""
+        lines[begin] = b" ".join(parts)
+        at += 1
     return lines
 
 
@@ -99,8 +131,11 @@ def _points(path, vertices, numbers):
     return parse_numbers(path, rows, numbers).reshape(-1, 3)
 
 
-def _indices(path, statements, numbers, before, count):
+def _indices(path, parts, count):
     """Vertex indices from 0, (n,) int64, and the offsets of the statements, (m + 1,) int64."""
+    statements, numbers, before = (
+        [row for part in parts for row in getattr(part, name)] for name in ("rows", "numbers", "before")
+    )
     if any(b"/" in row for row in statements):
         statements = [b" ".join(word.split(b"/", 1)[0] for word in row.split()) for row in statements]
     lengths = np.fromiter((len(row.split()) for row in statements), np.int64, len(statements))
@@ -114,11 +149,11 @@ def _indices(path, statements, numbers, before, count):
         raise InputError(
             f"{path}: line {numbers[statement]}: index {shown} has no point, the file has {count}; was it cut off?"
         )
-    return index, np.r_[0, np.cumsum(lengths)]
+    return index, np.r_[0, np.cumsum(lengths)].astype(np.int64)
 
 
 def write_obj(path, polylines, closed, groups=None):
-    """Write polylines as `v` and `l` lines; a closed one repeats its first index.
+    """Write polylines as `v` and `l` lines, with all digits; a closed one repeats its first index.
 
     Parameters
     ----------
@@ -132,7 +167,7 @@ def write_obj(path, polylines, closed, groups=None):
             last = groups[i]
             text.write(f"o {last}\n")
         for x, y, z in np.asarray(points, float).tolist():
-            text.write(f"v {x:.9g} {y:.9g} {z:.9g}\n")
+            text.write(f"v {x:.17g} {y:.17g} {z:.17g}\n")
         index = list(range(base, base + len(points))) + ([base] if loop else [])
         text.write("l " + " ".join(map(str, index)) + "\n")
         base += len(points)

@@ -1,239 +1,134 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Stanford PLY, ascii and binary of both byte orders: edges as curves, faces as a surface."""
+"""Stanford PLY: edges as curves, faces and triangle strips as a surface. Other elements and colours are passed over."""
 
 from __future__ import annotations
 
-import re
-from dataclasses import dataclass
-
 import numpy as np
 
-from ..errors import InputError
-from ..graph import chains_of_edges
-from .network import Reading, curves_of_chains
-from .obj import fans
-from .source import load
+from ..errors import InputError, NoCurves
+from .ply_data import Lists, read_elements, read_header
+from .polygons import triangles_of_polygons
+from .reading import Reading, lines_of_points
 
-_TYPES = {
-    "char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4", "float": "f4",
-    "double": "f8", "int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2", "int32": "i4", "uint32": "u4",
-    "float32": "f4", "float64": "f8",
-}  # fmt: skip
-
-
-@dataclass(frozen=True)
-class _Property:
-    name: str
-    kind: str
-    length: str | None  # the type of a list's length, None for one value
-
-
-@dataclass(frozen=True)
-class _Element:
-    name: str
-    count: int
-    properties: tuple[_Property, ...]
+CORNERS = ("vertex_indices", "vertex_index")
+STRIPS = "tristrips"
 
 
 def read_ply(path) -> Reading:
-    """Read vertices and edges; the vertex property `curvature`, where there is one, is the strength."""
-    elements = _read(path)
+    """Vertices and edges; the vertex property `curvature`, where there is one, is the strength."""
+    elements = read_elements(path)
+    _points(path, elements)
+    edge = elements.get("edge", {})
+    if not {"vertex1", "vertex2"} <= set(edge):
+        hint = "it holds a surface; give it with --surface" if {"face", STRIPS} & set(elements) else "export its edges too"
+        raise NoCurves(f"{path}: no element `edge` with vertex1 and vertex2, so no curves; {hint}")
+    ends = [_integers(path, "edge", name, _plain(path, "edge", edge, name)) for name in ("vertex1", "vertex2")]
+    index, offsets = np.stack(ends, axis=1).ravel(), np.arange(len(ends[0]) + 1) * 2
+    vertex = elements.get("vertex", {})
+    strength = None
+    if "curvature" in vertex:
+        strength = np.abs(np.asarray(_plain(path, "vertex", vertex, "curvature"), np.float64))
     points = _points(path, elements)
-    edge = elements.get("edge")
-    if edge is None or "vertex1" not in edge or "vertex2" not in edge:
-        hint = "it holds a surface; give it with --surface" if "face" in elements else "export its edges too"
-        raise InputError(f"{path}: no element `edge` with vertex1 and vertex2, so no curves; {hint}")
-    edges = np.stack([edge["vertex1"], edge["vertex2"]], axis=1).astype(np.int64)
-    _check_range(path, "edge", edges, np.arange(len(edges) + 1) * 2, len(points))
-    strength = elements["vertex"].get("curvature")
-    if strength is not None:
-        strength = np.abs(strength.astype(np.float64))
-        wrong = np.flatnonzero(~np.isfinite(strength))
-        if len(wrong):
-            raise InputError(f"{path}: vertex {wrong[0]}: its curvature is not finite; correct it or remove it")
-    return curves_of_chains(path, points, chains_of_edges(edges), strength)
+    _check_range(path, "edge", index, offsets, len(points))
+    points, index, strength = _used(path, points, index, strength)
+    return lines_of_points(path, points, index, offsets, named=np.zeros(len(ends[0]), bool), strength=strength)
 
 
 def ply_content(path) -> tuple[bool, bool]:
     """Whether the header tells of faces, and whether it tells of edges."""
-    counts = {element.name: element.count for element in _header(path, load(path))[1]}
-    return counts.get("face", 0) > 0, counts.get("edge", 0) > 0
+    counts = {element.name: element.count for element in read_header(path)}
+    return counts.get("face", 0) > 0 or counts.get(STRIPS, 0) > 0, counts.get("edge", 0) > 0
 
 
 def read_ply_surface(path):
-    """Points (n, 3) float64 and triangles (m, 3) int64; polygons are cut into fans."""
-    elements = _read(path)
-    points = _points(path, elements)
-    face = elements.get("face", {})
-    corners = face.get("vertex_indices", face.get("vertex_index"))
-    if corners is None:
+    """Points (n, 3) float64 and triangles (m, 3) int64 of all faces and strips."""
+    elements = read_elements(path)
+    corners = [(name, _corners(path, elements, name)) for name in ("face", STRIPS) if name in elements]
+    if not corners:
         raise InputError(f"{path}: no element `face` with vertex_indices; give the scan that the curves come from")
-    index, offsets = corners[0].astype(np.int64), corners[1]
-    _check_range(path, "face", index, offsets, len(points))
-    return points, fans(index, offsets)
+    points, parts = _points(path, elements), []
+    for name, lists in corners:
+        index, offsets = _integers(path, name, CORNERS[0], lists.values), lists.offsets
+        if name == STRIPS:
+            index, offsets = _strips(index, offsets)
+        _check_range(path, name, index, offsets, len(points))
+        parts.append((index, offsets))
+    index = np.concatenate([index for index, _ in parts])
+    sizes = np.concatenate([np.diff(offsets) for _, offsets in parts])
+    points, index, _ = _used(path, points, index, None)
+    return points, triangles_of_polygons(points, index, np.r_[0, np.cumsum(sizes)])
+
+
+def _corners(path, elements, name) -> Lists:
+    for word in CORNERS:
+        if word in elements[name]:
+            found = elements[name][word]
+            if not isinstance(found, Lists):
+                raise InputError(f"{path}: `{word}` of `{name}` is one number where a list belongs; export it again")
+            return found
+    raise InputError(f"{path}: element `{name}` has no {CORNERS[0]}; export the mesh with its faces")
+
+
+def _plain(path, element, properties, name) -> np.ndarray:
+    if isinstance(properties[name], Lists):
+        raise InputError(f"{path}: `{name}` of `{element}` is a list where one number belongs; export it again")
+    return properties[name]
+
+
+def _integers(path, element, name, values) -> np.ndarray:
+    """(n,) int64 of any numbers that are whole."""
+    if values.dtype.kind == "f":
+        with np.errstate(invalid="ignore"):
+            wrong = np.flatnonzero(~(np.abs(values) < 2.0**53) | (values != np.floor(values)))
+        if len(wrong):
+            raise InputError(f"{path}: `{name}` of `{element}`: {values[wrong[0]]:g} is no index; export it again")
+    return values.astype(np.int64)
 
 
 def _points(path, elements) -> np.ndarray:
     vertex = elements.get("vertex", {})
     if not {"x", "y", "z"} <= set(vertex):
         raise InputError(f"{path}: no element `vertex` with x, y and z; export it again")
-    points = np.stack([vertex[c] for c in "xyz"], axis=1).astype(np.float64)
-    wrong = np.flatnonzero(~np.isfinite(points).all(axis=1))
+    return np.stack([_plain(path, "vertex", vertex, c) for c in "xyz"], axis=1).astype(np.float64)
+
+
+def _used(path, points, index, strength):
+    """Points, indices and strengths without the points that are not finite and not used."""
+    bad = ~np.isfinite(points).all(axis=1)
+    used = np.zeros(len(points), bool)
+    used[index] = True
+    wrong = np.flatnonzero(bad & used)
     if len(wrong):
         raise InputError(f"{path}: vertex {wrong[0]}: {points[wrong[0]]} is not finite; remove the point or correct it")
-    return points
+    if strength is not None:
+        wrong = np.flatnonzero(~np.isfinite(strength) & used)
+        if len(wrong):
+            raise InputError(f"{path}: vertex {wrong[0]}: its curvature is not finite; correct it or remove it")
+        strength = np.where(np.isfinite(strength), strength, 0.0)[~bad]
+    if bad.any():
+        index = (np.cumsum(~bad) - 1)[index]
+    return points[~bad], index, strength
 
 
 def _check_range(path, name, index, offsets, count):
-    index = index.ravel()
     wrong = np.flatnonzero((index < 0) | (index >= count))
     if len(wrong):
         row = np.searchsorted(offsets, wrong[0], side="right") - 1
         raise InputError(f"{path}: {name} {row}: index {index[wrong[0]]} has no point, the file has {count}")
 
 
-def _read(path) -> dict:
-    """Element name -> property name -> (n,) array, or (values, offsets) of a list."""
-    data = load(path)
-    order, elements, body = _header(path, data)
-    read = _read_ascii if order is None else _read_binary
-    return read(path, data[body:], elements, order)
-
-
-def _header(path, data):
-    """Byte order (None for ascii), the elements, and where the body begins."""
-    end = re.search(rb"^end_header[ \t]*\r?\n", data[: 1 << 20], re.MULTILINE)
-    if not data.startswith(b"ply") or end is None:
-        raise InputError(f"{path}: no PLY header; this is not a PLY file or it was cut off")
-    order, elements = None, []
-    for number, line in enumerate(data[: end.start()].decode("latin1").splitlines(), 1):
-        words = line.split()
-        try:
-            match words:
-                case ["format", name, *_]:
-                    order = {"ascii": None, "binary_little_endian": "<", "binary_big_endian": ">"}[name]
-                case ["element", name, count]:
-                    elements.append((name, int(count), []))
-                case ["property", "list", length, kind, name]:
-                    elements[-1][2].append(_Property(name, _TYPES[kind], _TYPES[length]))
-                case ["property", kind, name]:
-                    elements[-1][2].append(_Property(name, _TYPES[kind], None))
-        except (KeyError, ValueError, IndexError):
-            raise InputError(f"{path}: line {number}: {line[:60]!r} is not PLY; export it again") from None
-    return order, [_Element(name, count, tuple(properties)) for name, count, properties in elements], end.end()
-
-
-def _read_binary(path, body, elements, order) -> dict:
-    out, at = {}, 0
-    for element in elements:
-        if any(p.length for p in element.properties):
-            out[element.name], at = _lists(path, body, element, order, at)
-            continue
-        row = np.dtype([(p.name, order + p.kind) for p in element.properties])
-        if at + element.count * row.itemsize > len(body):
-            _cut_off(path, element, (len(body) - at) // max(row.itemsize, 1))
-        values = np.frombuffer(body, row, element.count, at)
-        out[element.name] = {p.name: values[p.name] for p in element.properties}
-        at += element.count * row.itemsize
-    return out
-
-
-def _lists(path, body, element, order, at):
-    """Rows with lists. Where all lists are as long as the first row's, the rows have one layout and one read does."""
-    layout, fits = [], 0
-    for p in element.properties:
-        if p.length is None:
-            layout.append((p.name, order + p.kind))
-            continue
-        size = np.dtype(layout).itemsize if layout else 0
-        width = np.dtype(p.length).itemsize
-        if at + size + width > len(body):
-            fits = -1
-            break
-        length = int(np.frombuffer(body, order + p.length, 1, at + size)[0])
-        layout += [("count of " + p.name, order + p.length), (p.name, order + p.kind, (max(length, 0),))]
-    if fits == 0:
-        row = np.dtype(layout)
-        if at + element.count * row.itemsize <= len(body):
-            values = np.frombuffer(body, row, element.count, at)
-            lists = [p for p in element.properties if p.length]
-            if all((values["count of " + p.name] == row[p.name].shape[0]).all() for p in lists):
-                out = {p.name: values[p.name] for p in element.properties if not p.length}
-                for p in lists:
-                    offsets = np.arange(element.count + 1) * row[p.name].shape[0]
-                    out[p.name] = values[p.name].reshape(-1), offsets
-                return out, at + element.count * row.itemsize
-    return _rows(path, body, element, order, at)
-
-
-def _rows(path, body, element, order, at):
-    """Rows with lists of different lengths, one after the other."""
-    kinds = [
-        (p, np.dtype(order + p.kind), np.dtype(order + p.length) if p.length else None) for p in element.properties
-    ]
-    values, lengths = [[] for _ in kinds], [[] for _ in kinds]
-    for row in range(element.count):
-        for column, (_, kind, length) in enumerate(kinds):
-            count = 1
-            if length is not None:
-                if at + length.itemsize > len(body):
-                    _cut_off(path, element, row)
-                count = int(np.frombuffer(body, length, 1, at)[0])
-                at += length.itemsize
-            if count < 0 or at + count * kind.itemsize > len(body):
-                _cut_off(path, element, row)
-            values[column].append(np.frombuffer(body, kind, count, at))
-            lengths[column].append(count)
-            at += count * kind.itemsize
-    return _columns(element, values, lengths), at
-
-
-def _columns(element, values, lengths) -> dict:
-    out = {}
-    for p, column, length in zip(element.properties, values, lengths):
-        joined = np.concatenate(column) if column else np.zeros(0, p.kind)
-        out[p.name] = (joined, np.r_[0, np.cumsum(length)].astype(np.int64)) if p.length else joined
-    return out
-
-
-def _read_ascii(path, body, elements, order) -> dict:
-    lines = [line.split() for line in body.splitlines() if line.strip()]
-    out, at = {}, 0
-    for element in elements:
-        rows = lines[at : at + element.count]
-        if len(rows) < element.count:
-            _cut_off(path, element, len(rows))
-        at += element.count
-        try:
-            out[element.name] = _ascii_element(element, rows)
-        except (ValueError, IndexError, OverflowError):
-            raise InputError(f"{path}: element `{element.name}`: a row does not fit its properties; export it again") \
-                from None  # fmt: skip
-    return out
-
-
-def _ascii_element(element, rows) -> dict:
-    if not any(p.length for p in element.properties):
-        width = len(element.properties)
-        if any(len(row) < width for row in rows):
-            raise ValueError
-        table = np.array([row[:width] for row in rows], dtype=bytes).reshape(-1, width).astype(np.float64)
-        return {p.name: table[:, i] for i, p in enumerate(element.properties)}
-    values, lengths = [[] for _ in element.properties], [[] for _ in element.properties]
-    for row in rows:
-        at = 0
-        for column, p in enumerate(element.properties):
-            count = int(row[at]) if p.length else 1
-            at += bool(p.length)
-            if count < 0 or at + count > len(row):
-                raise ValueError
-            values[column].append(np.array(row[at : at + count], dtype=bytes).astype(np.float64))
-            lengths[column].append(count)
-            at += count
-    return _columns(element, values, lengths)
-
-
-def _cut_off(path, element, found):
-    raise InputError(
-        f"{path}: the file was cut off, it has {found} of {element.count} rows of `{element.name}`; export it again"
-    )
+def _strips(index, offsets):
+    """Triangles of strips as polygons: index -1 begins a new strip, and every second triangle runs the other way."""
+    begin = np.zeros(len(index), bool)
+    begin[offsets[:-1][np.diff(offsets) > 0]] = True
+    begin[1:] |= index[:-1] == -1
+    strip = np.cumsum(begin)
+    at = np.arange(len(index))
+    parity = (at - np.maximum.accumulate(np.where(begin, at, 0))) % 2
+    k = np.arange(max(len(index) - 2, 0))
+    k = k[(strip[k] == strip[k + 2]) & (index[k] != -1) & (index[k + 1] != -1) & (index[k + 2] != -1)]
+    odd = parity[k] == 1
+    triangles = np.stack([index[k], index[np.where(odd, k + 2, k + 1)], index[np.where(odd, k + 1, k + 2)]], axis=1)
+    different = (triangles[:, 0] != triangles[:, 1]) & (triangles[:, 1] != triangles[:, 2])
+    triangles = triangles[different & (triangles[:, 0] != triangles[:, 2])]
+    return triangles.ravel(), np.arange(len(triangles) + 1) * 3

@@ -10,6 +10,8 @@ from typing import NoReturn
 
 from ...core.detection.parameters import DetectionParameters
 from ...core.errors import InputError
+from ...core.files.formats import endings
+from ...core.files.reading import WELD
 from ...core.parameters import Parameters
 
 DESCRIPTION = """\
@@ -17,10 +19,9 @@ Makes a clean, complete network of feature curves from a scan, or from noisy cur
 a mesh, finds what recurs in them, merges the occurrences into clean templates, puts these back wherever they were
 seen, keeps strong single curves and drops noise."""
 
-INPUTS = """\
-one or more files. Scans, meshes with faces: .ply, .obj, .stl. Curves: .obj (lines or edges), .ply with
-edges, .txt (ridge lines of CGAL's Ridges_3 or of CrestCODE). Either, through Blender: .blend, .glb, .gltf,
-.fbx, .usd, .abc, .dae. Several are taken as one network. A file with faces and edges is a scan"""
+INPUTS = f"""\
+one or more files. Scans, meshes with faces: {", ".join(endings("surface"))}. Curves: {", ".join(endings("curves"))};
+README says what of each is read. Several are taken as one network. A file with faces and edges is a scan"""
 
 KINDS = {
     "ridges": (True, "where the surface is bent outwards"),
@@ -66,6 +67,10 @@ def parser(prog) -> argparse.ArgumentParser:
         help="mean edge length of the scan that the curves come from [scene units]",
     )  # fmt: skip
     length.add_argument("--surface", metavar="SCAN", help="that scan; only its mean edge length is taken")
+    made.add_argument(
+        "--weld", type=_weld, default=WELD, metavar="W",
+        help=f"ends of curves this near to another curve are on it [edge lengths, default {WELD:g}; 0 for equal points]",
+    )  # fmt: skip
     _add_detection(made.add_argument_group("feature curves of a scan, see docs/detection.md"))
     _add_parameters(made.add_argument_group("parameters of the method, with the names of the paper"), Parameters)
     made.add_argument("--quiet", action="store_true", help="print nothing but errors")
@@ -129,6 +134,13 @@ def _whole(word) -> int:
         return int(word)
     except ValueError:
         raise argparse.ArgumentTypeError(f"{word!r} is not a whole number") from None
+
+
+def _weld(word) -> float:
+    value = _number(word)
+    if not (isfinite(value) and value >= 0):
+        raise argparse.ArgumentTypeError(f"{word} is no tolerance; give a number of at least 0 in edge lengths")
+    return value
 
 
 def _edge_length(word) -> float:

@@ -5,32 +5,32 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ...core.errors import InputError
-from ...core.files.reading import CURVE_READERS, SURFACE_READERS, content, read_curves, read_surface
-from ..formats import BLENDER, is_blenders
+from ...core.errors import InputError, NoCurves
+from ...core.files import formats
 from ..scans import Scan
 
 
 def read(options, say):
-    """A Reading or a Scan for each of what the inputs hold, in their order; and what was left out, rows of the report.
+    """A Reading, not joined, or a Scan for each of what the inputs hold, in their order; and rows of what is left out.
 
     Parameters
     ----------
     options : of the command line
-    say : called with a line where something is left out
+    say : called with a line where of two things one is taken, or something is left out
     """
-    blenders = [path for path in options.input if is_blenders(path)]
     for name in ("object", "collection", "hidden"):
-        if getattr(options, name) and not blenders:
+        if getattr(options, name) and not any(map(formats.is_blenders, options.input)):
             raise InputError(f"--{name} chooses from a .blend file or another scene; give one, or leave it out")
-    found, rows = [], []
-    for path in options.input:
-        if path in blenders:
-            parts, skipped = _read_scene(path, options, say)
-            found += parts
-            rows += [{"file": str(path), **row} for row in skipped.rows()]
-        else:
-            found.append(_read(path, options.take_edges, say))
+    rows = []
+
+    def parts(path):
+        if not formats.is_blenders(path):
+            return [_read(path, options.take_edges, say)]
+        found, skipped = _read_scene(path, options, say)
+        rows.extend({"file": str(path), **row} for row in skipped.rows())
+        return found
+
+    found = [part for every in each(options.input, parts, say) for part in every]
     _check(options, found)
     return found, rows
 
@@ -42,16 +42,33 @@ def _read_scene(path, options, say):
     return blend_file.read(path, choice, say)
 
 
+def each(items, work, say) -> list:
+    """What `work` makes of each item; one without curves is passed over and named.
+
+    Raises InputError where none is left, NoCurves for one alone.
+    """
+    made, empty = [], []
+    for item in items:
+        try:
+            made.append(work(item))
+        except NoCurves as error:
+            empty.append(error)
+    if not made:
+        raise empty[0] if len(empty) == 1 else NoCurves(f"no input has curves: {'; '.join(map(str, empty))}")
+    for error in empty:
+        say(f"passed over: {error}")
+    return made
+
+
 def _read(path, take_edges, say):
-    suffix = Path(path).suffix.lower()
-    if suffix not in CURVE_READERS and suffix not in SURFACE_READERS:
-        known = ", ".join(sorted({*CURVE_READERS, *SURFACE_READERS, *BLENDER}))
+    if formats.format_of(path) is None:
+        suffix, known = Path(path).suffix.lower(), ", ".join(formats.endings())
         raise InputError(f"{path}: a {suffix or 'nameless'} file cannot be read; give one of {known}")
-    has = content(path)
-    if suffix == ".ply" and not has.faces and not has.curves:
-        raise InputError(f"{path}: it has points only; export the scan with its faces, or curves with their edges")
+    has = formats.content(path)
+    if Path(path).suffix.lower() == ".ply" and not has.faces and not has.curves:
+        raise NoCurves(f"{path}: it has points only; export the scan with its faces, or curves with their edges")
     if take_edges and has.faces and not has.curves:
-        raise InputError(f"{path}: it has no edges or lines of its own; leave --take-edges out to detect its curves")
+        raise NoCurves(f"{path}: it has no edges or lines of its own; leave --take-edges out to detect its curves")
     if has.faces and has.curves:
         say(
             f"{path} has faces and edges: the edges are taken"
@@ -59,8 +76,11 @@ def _read(path, take_edges, say):
             else f"{path} has faces and edges: it is taken as a scan, its edges are left out; --take-edges takes them"
         )
     if has.faces and not take_edges:
-        return Scan(str(path), *read_surface(path))
-    return read_curves([path])
+        return Scan(str(path), *formats.read_surface(path))
+    reading = formats.read_lines(path)
+    if reading.left_out:
+        say(f"{path}: left out are {reading.left_out}")
+    return reading
 
 
 def _check(options, found):

@@ -9,10 +9,9 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from ...core.errors import Cancelled, InputError
-from ...core.files.network import concatenate
-from ...core.files.reading import mean_edge_length, read_surface
+from ...core.files.formats import is_blenders, mean_edge_length, read_surface
+from ...core.files.reading import concatenate
 from .. import installation, scans
-from ..formats import is_blenders, require_blender
 from . import arguments, inputs, writing
 from .figure import figure
 from .outputs import Outputs
@@ -59,9 +58,11 @@ def _run(options, terminal):
         else:
             reading = concatenate(parts)
             edge_length = _edge_length(options, reading)
+            origin = _origin(options, reading)
+            if len(detected) < len(parts):  # detected curves meet where they meet
+                reading = _joined(reading, options.weld * edge_length)
             terminal.say(
-                f"{reading.count} curves, {len(reading.curves.points)} points, edge length {edge_length:.4g} "
-                f"({_origin(options, reading)})"
+                f"{reading.count} curves, {len(reading.curves.points)} points, edge length {edge_length:.4g} ({origin})"
             )
             completion = _complete(reading.curves, edge_length, parameters, terminal)
             document = _report(completion, reading, parameters, seconds)
@@ -74,18 +75,20 @@ def _run(options, terminal):
 
 def _detect(parts, parameters, kinds, terminal):
     """The readings of all parts, and what was Detected in those that are scans."""
-    readings, detected = [], []
-    for part in parts:
-        if isinstance(part, scans.Scan):
-            found = scans.detect(part, parameters, kinds, terminal.progress)
-            terminal.say(
-                f"{part.name}: {len(found.found)} feature curves on {found.faces} faces, "
-                f"edge length {found.edge_length:.4g}, smoothed by {found.found.detail:.2g} of it"
-            )
-            detected.append(found)
-            part = found.reading
-        readings.append(part)
-    return readings, detected
+    detected = []
+
+    def read(part):
+        if not isinstance(part, scans.Scan):
+            return part
+        found = scans.detect(part, parameters, kinds, terminal.progress)
+        terminal.say(
+            f"{part.name}: {len(found.found)} feature curves on {found.faces} faces, "
+            f"edge length {found.edge_length:.4g}, smoothed by {found.found.detail:.2g} of it"
+        )
+        detected.append(found)
+        return found.reading
+
+    return inputs.each(parts, read, terminal.say), detected
 
 
 def _wanted(options) -> dict:
@@ -97,19 +100,26 @@ def _wanted(options) -> dict:
             raise InputError(f"{path}: --{name} writes a {endings[name]} file; end the name so")
     for path in (*options.input, *([wanted["out"]] if "out" in wanted else [])):
         if is_blenders(path):
-            require_blender(path)
+            installation.require_blender(path)
     if "figure" in wanted:
         figure()
     return wanted
 
 
 def _edge_length(options, reading):
-    from ...core.network import estimate_edge_length
+    from ...core.network.edge_length import estimate_edge_length
 
     if options.surface:
         return mean_edge_length(*read_surface(options.surface))
     known = options.edge_length or reading.edge_length
     return known or estimate_edge_length(reading.curves, crossings=reading.crossings)
+
+
+def _joined(reading, tolerance):
+    installation.require_scipy()
+    from ...core.files.joining import join
+
+    return join(reading, tolerance)
 
 
 def _origin(options, reading):
@@ -134,7 +144,7 @@ def _report(completion, reading, parameters, seconds):
 
     return report(
         completion, reading.curves, version=installation.version(), parameters=parameters, count=reading.count,
-        seconds=seconds,
+        shares=reading.shares, seconds=seconds,
     )  # fmt: skip
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from ...core.detection.report import detection_report, settings, summary
 from ...core.detection.values import KINDS
-from ...core.files.network import concatenate
+from ...core.files.reading import concatenate
 from .. import installation
 from ..wording import duration
 from .figure import figure

@@ -11,7 +11,7 @@ import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from ...core.errors import InputError
-from ...core.files.network import Reading
+from ...core.files.reading import Reading
 from ...core.parameters import Parameters
 from .. import progress
 from ..installation import require_scipy

@@ -54,7 +54,7 @@ class Made:
 
 
 def scan_of(context):
-    """The mesh with faces, or the instances, that a run would take: the active object if it is selected, else the only one selected."""
+    """The mesh with faces, or the instances, that a run would take: the active object, else the only one selected."""
     depsgraph = context.view_layer.depsgraph
     surfaces = [o for o in context.selected_objects if reader.evaluated_faces(o, depsgraph) or _instances(o)]
     if context.active_object in surfaces:

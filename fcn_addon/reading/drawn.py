@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Curves as Blender draws them, where only Blender itself knows how: it evaluates them in a scene that is gone afterwards.
+"""Curves as Blender draws them, where only Blender knows how: it evaluates them in a scene that is gone afterwards.
 
 That serves hair curves with Bezier, Catmull-Rom and NURBS splines, curves that geometry nodes make, and curve objects
 with a bevel under modifiers, which are read as the path that the bevel follows.

@@ -6,7 +6,7 @@ from __future__ import annotations
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from ...core.errors import InputError
-from ...core.files.reading import mean_edge_length as of_triangles
+from ...core.files.formats import mean_edge_length as of_triangles
 from .reader import read_surface
 
 

@@ -9,8 +9,8 @@ import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from ...core.errors import InputError
-from ...core.files.network import Reading, curves_of_chains, curves_of_samples
-from ...core.graph import chains_of_edges
+from ...core.files.reading import Reading, curves_of_chains, curves_of_samples
+from ...core.geometry.chains import chains_of_edges
 from ..scene.curve_data import KIND, NORMAL, STRENGTH
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from ...core.errors import InputError
-from ...core.files.network import Reading, concatenate
+from ...core.files.reading import Reading, concatenate
 from ..scene.curve_data import EDGE_LENGTH
 from . import left_out, shown
 from .geometry import as_reading, mean_scale
@@ -55,7 +55,7 @@ def read(objects, depsgraph, *, take_edges=False, quiet=False) -> SceneReading:
     objects = list(objects)
     found = shown.look(objects, depsgraph, quiet)
     readings, owner, surfaces = [], [], {}
-    reasons = {i: reason for i, reason in sorted(found.refused)}
+    reasons = dict(sorted(found.refused))
     gave, extra = set(), {}
     with_edges = {part.owner for part in found.parts if part.beside}
     for part in found.parts:
@@ -129,7 +129,7 @@ def evaluated_faces(item, depsgraph) -> int:
 
 
 def may_hold_curves(item, depsgraph, take_edges=False) -> bool:
-    """Whether it is worth reading an object for its curves. Cheap, so it may be wrong where nodes or instances decide."""
+    """Whether to read an object for its curves. Cheap, so it may be wrong where nodes or instances decide."""
     if item.type in CURVE_TYPES or _instances(item):
         return True
     data = _evaluated_mesh(item, depsgraph)

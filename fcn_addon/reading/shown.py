@@ -21,7 +21,8 @@ class Part:
     owner : index of the object that was asked for; what it instances is its own too
     geometry : Wires, Lines or a Surface
     source : the object that the geometry is of, in the file
-    scale : by how much it is scaled; beside : whether it is wires of a mesh that has faces too
+    matrix : (4, 4), from its own space to the world
+    beside : whether it is wires of a mesh that has faces too
     """
 
     owner: int
@@ -96,9 +97,9 @@ class _Reader:
         self._known = {}
 
     def read(self, instance, world) -> list:
-        """Pieces of an item of the depsgraph: geometry, its matrix if it has one of its own, whether it is beside faces."""
+        """Pieces of an item of the depsgraph: geometry, a matrix of its own or None, whether it is beside faces."""
         item = instance.object
-        if item.type in {"GREASEPENCIL"} and not (pencil.is_curved(item.data) and not self._quiet):
+        if item.type == "GREASEPENCIL" and (self._quiet or not pencil.is_curved(item.data)):
             return [(lines, matrix, False) for lines, matrix in pencil.read_new(item.data, world)]
         key = item.type, item.original, item.data.as_pointer() if item.data else 0
         if key not in self._known:

@@ -8,7 +8,6 @@ from pathlib import Path
 import bpy
 
 from ...core.errors import InputError
-from ..formats import IMPORTED
 
 # Ending -> the operators that may read it, the first that this Blender has is taken, and the add-on that brings it.
 OPERATORS = {
@@ -22,7 +21,6 @@ OPERATORS = {
     ".abc": (("wm.alembic_import", None),),
     ".dae": (("wm.collada_import", None),),
 }
-assert set(OPERATORS) == set(IMPORTED)
 
 
 def open_file(path):

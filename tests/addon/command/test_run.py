@@ -98,7 +98,7 @@ CASES = [
     (["garbage.ply"], "garbage.ply: no PLY header"),
     (["garbage.txt"], "garbage.txt: this is binary data"),
     (["nan.obj"], "nan.obj: line 2: 'nan' is not finite"),
-    (["in.xyz"], "a .xyz file cannot be read; give one of .blend, .glb, .obj, .ply, .stl, .txt"),
+    (["in.xyz"], "a .xyz file cannot be read; give one of .blend, .cgal, .dxf, .glb, .obj"),
     (["in.obj", "--l0", "x"], "--l0: 'x' is not a number"),
     (["in.obj", "--l0", "1"], "l0 is 1.0: give a number of at least 4 (edge lengths)"),
     (["in.obj", "--l0", "nan"], "l0 is nan"),

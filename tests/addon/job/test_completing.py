@@ -409,7 +409,7 @@ def test_hidden_sources_are_evaluated_for_a_run(bpy, part, wall):
 def test_the_method_itself_gives_a_result(bpy, part):
     """The whole way with the real method: the example's windows, one row of them."""
     path = part("fcn_addon.installation").ROOT / "examples" / "facade.obj"
-    read = part("core.files.reading").read_curves([str(path)]).curves
+    read = part("core.files.formats").read_curves([str(path)]).curves
     kept = [i for i in range(len(read)) if read.curve(i)[:, 2].mean() < 2.5]
     mesh = bpy.data.meshes.new("Row")
     vertices = np.concatenate([read.curve(i) for i in kept])

@@ -1,0 +1,293 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The elements of a PLY file as arrays, ascii and binary of both byte orders.
+
+Names are in lower case. A property that is there twice counts once, its first values. The header is checked whole, and
+its counts against the size of the file, before anything of that size is made.
+"""
+
+from __future__ import annotations
+
+import re
+import warnings
+from dataclasses import dataclass
+from struct import Struct
+
+import numpy as np
+
+from ..errors import InputError
+from .text import load
+
+_TYPES = {
+    "char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4", "float": "f4",
+    "double": "f8", "int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2", "int32": "i4", "uint32": "u4",
+    "float32": "f4", "float64": "f8", "int64": "i8", "uint64": "u8",
+}  # fmt: skip
+_CODES = {"i1": "b", "u1": "B", "i2": "h", "u2": "H", "i4": "i", "u4": "I", "i8": "q", "u8": "Q"}
+_ORDERS = {"ascii": None, "binary_little_endian": "<", "binary_big_endian": ">"}
+
+
+@dataclass(frozen=True)
+class Property:
+    """kind : type of its values, as numpy has it; length : type of a list's length, None for one value"""
+
+    name: str
+    kind: str
+    length: str | None
+
+
+@dataclass(frozen=True)
+class Element:
+    """What the header says of an element."""
+
+    name: str
+    count: int
+    properties: tuple[Property, ...]
+
+    def least_bytes(self, order) -> int:
+        """Bytes that a row has at least; of ascii each number with the space behind it."""
+        if order is None:
+            return 2 * len(self.properties)
+        return sum(np.dtype(p.length or p.kind).itemsize for p in self.properties)
+
+
+@dataclass(frozen=True)
+class Lists:
+    """values : (k,) array; offsets : (n + 1,) int64, the list of row i is ``values[offsets[i]:offsets[i + 1]]``"""
+
+    values: np.ndarray
+    offsets: np.ndarray
+
+
+def read_elements(path) -> dict:
+    """Element name -> property name -> (n,) array, or Lists."""
+    data = load(path)
+    order, elements, begin = _header(path, data)
+    body = memoryview(data)[begin:]
+    _check_counts(path, elements, order, len(body))
+    if order is None:
+        read = _Ascii(path, data[begin:])
+    else:
+        read = _Binary(path, body, order)
+    found = {element.name: read.element(element) if element.properties else {} for element in elements}
+    read.check_end()
+    return found
+
+
+def read_header(path) -> list[Element]:
+    """The elements that the header names, in their order."""
+    return _header(path, load(path))[1]
+
+
+def _header(path, data):
+    """Byte order (None for ascii), the elements, and where the body begins."""
+    head = data[: 1 << 20]
+    first = re.match(rb"ply[ \t]*(\r\n|\n|\r)", head, re.IGNORECASE)
+    end = first and re.compile(rb"(?:\r|\n)[ \t]*end_header[ \t]*" + first[1], re.IGNORECASE).search(head)
+    if not end:
+        raise InputError(f"{path}: no PLY header; this is not a PLY file or it was cut off")
+    order, elements = False, []
+    for number, line in enumerate(head[: end.start()].decode("latin1").split(first[1].decode()), 1):
+        words = line.lower().split()
+        try:
+            match words:
+                case [] | ["comment" | "obj_info", *_]:
+                    pass
+                case ["ply"] if number == 1:
+                    pass
+                case ["format", name, *_] if order is False:
+                    order = _ORDERS[name]
+                case ["element", name, count] if name not in (e[0] for e in elements):
+                    elements.append((name, _count(count), []))
+                case ["property", "list", length, kind, name]:
+                    if _TYPES[length] not in _CODES:
+                        raise ValueError
+                    elements[-1][2].append(Property(name, _TYPES[kind], _TYPES[length]))
+                case ["property", kind, name]:
+                    elements[-1][2].append(Property(name, _TYPES[kind], None))
+                case _:
+                    raise ValueError
+        except (KeyError, ValueError, IndexError):
+            raise InputError(f"{path}: line {number}: {line[:60]!r} is not PLY; export it again") from None
+    if order is False:
+        raise InputError(f"{path}: the header has no `format` line; export it again")
+    return order, [Element(name, count, tuple(properties)) for name, count, properties in elements], end.end()
+
+
+def _count(word) -> int:
+    if not (word.isascii() and word.isdigit() and len(word) < 19):
+        raise ValueError
+    return int(word)
+
+
+def _check_counts(path, elements, order, size):
+    for element in elements:
+        least = element.least_bytes(order)
+        if element.count * least > size + 1:
+            cut_off(path, element, size // least)
+        size = max(size - element.count * least, 0)
+
+
+def cut_off(path, element, found):
+    """Raise InputError for an element that ends too soon."""
+    raise InputError(
+        f"{path}: the file was cut off, it has {found} of {element.count} rows of `{element.name}`; export it again"
+    )
+
+
+class _Ascii:
+    """Numbers one after the other, wherever their lines end."""
+
+    def __init__(self, path, body):
+        if re.search(rb"(?:^|[\r\n])[ \t]*(?:comment|obj_info)\b", body):
+            body = re.sub(rb"(?:(?<=[\r\n])|\A)[ \t]*(?:comment|obj_info)\b[^\r\n]*", b"", body)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", DeprecationWarning)
+            try:
+                self._values = np.fromstring(body.replace(b"\0", b"?"), np.float64, sep=" ")
+            except (DeprecationWarning, ValueError):
+                self._blame(path, body)
+        self._path, self._at = path, 0
+
+    @staticmethod
+    def _blame(path, body):
+        for word in body.split():
+            try:
+                float(word)
+            except ValueError:
+                shown = word[:40].decode("latin1")
+                raise InputError(f"{path}: {shown!r} in the body is not a number; export it again") from None
+        raise InputError(f"{path}: the body does not hold numbers alone; export it again")
+
+    def element(self, element) -> dict:
+        width, left = len(element.properties), len(self._values) - self._at
+        if not any(p.length for p in element.properties):
+            if element.count * width > left:
+                cut_off(self._path, element, left // width)
+            table = self._values[self._at : self._at + element.count * width].reshape(element.count, width)
+            self._at += element.count * width
+            return {p.name: table[:, i] for i, p in reversed(list(enumerate(element.properties)))}
+        starts, counts = self._walk(element)
+        out = {}
+        for i, p in reversed(list(enumerate(element.properties))):
+            start, count = starts[i::width], counts[i::width]
+            offsets = np.r_[0, np.cumsum(count)]
+            at = np.arange(offsets[-1]) + np.repeat(start - offsets[:-1], count)
+            out[p.name] = Lists(self._values[at], offsets) if p.length else self._values[at]
+        return out
+
+    def check_end(self):
+        """Raise InputError for numbers that belong to no row: then a row is too long, and all behind it are wrong."""
+        if self._at < len(self._values):
+            raise InputError(
+                f"{self._path}: {len(self._values) - self._at} numbers more than its header tells of; export it again"
+            )
+
+    def _walk(self, element):
+        """Where the values of each property of each row begin, and how many there are."""
+        starts, counts, at, size = [], [], self._at, len(self._values)
+        lists = [bool(p.length) for p in element.properties]
+        values = self._values
+        for row in range(element.count):
+            for has_length in lists:
+                count = 1
+                if has_length:
+                    if at >= size:
+                        cut_off(self._path, element, row)
+                    count = _length(self._path, element, row, float(values[at]))
+                    at += 1
+                if at + count > size:
+                    cut_off(self._path, element, row)
+                starts.append(at)
+                counts.append(count)
+                at += count
+        self._at = at
+        return np.array(starts, np.int64), np.array(counts, np.int64)
+
+
+class _Binary:
+    """Rows of bytes; lists of one length have one layout, so that one read takes them all."""
+
+    def __init__(self, path, body, order):
+        self._path, self._body, self._order, self._at = path, body, order, 0
+        self._bytes = np.frombuffer(body, np.uint8)
+
+    def element(self, element) -> dict:
+        return self._even(element) or self._uneven(element)
+
+    def check_end(self):
+        """Bytes behind the last element are passed over."""
+
+    def _even(self, element):
+        """The element where all its lists are as long as those of the first row, else None."""
+        layout, size = [], 0
+        for i, p in enumerate(element.properties):
+            if p.length is None:
+                layout.append((f"v{i}", self._order + p.kind))
+            elif element.count:
+                at, code = self._at + size, Struct(self._order + _CODES[p.length])
+                if at + code.size > len(self._body):
+                    return None
+                length = code.unpack_from(self._body, at)[0]
+                if not 0 <= length <= len(self._body):
+                    return None
+                layout += [(f"n{i}", self._order + p.length), (f"v{i}", self._order + p.kind, (length,))]
+            else:
+                layout.append((f"v{i}", self._order + p.kind, (0,)))
+            size = np.dtype(layout).itemsize
+        row = np.dtype(layout)
+        if self._at + element.count * row.itemsize > len(self._body):
+            return None
+        values = np.frombuffer(self._body, row, element.count, self._at) if row.itemsize else None
+        lists = [i for i, p in enumerate(element.properties) if p.length] if element.count else []
+        if any((values[f"n{i}"] != row[f"v{i}"].shape[0]).any() for i in lists):
+            return None
+        self._at += element.count * row.itemsize
+        out = {}
+        for i, p in reversed(list(enumerate(element.properties))):
+            column = values[f"v{i}"]
+            if p.length:
+                offsets = np.arange(element.count + 1) * row[f"v{i}"].shape[0]
+                out[p.name] = Lists(column.reshape(-1), offsets)
+            else:
+                out[p.name] = column
+        return out
+
+    def _uneven(self, element) -> dict:
+        starts, counts = self._walk(element)
+        out, width = {}, len(element.properties)
+        for i, p in reversed(list(enumerate(element.properties))):
+            start, count = starts[i::width], counts[i::width]
+            offsets, kind = np.r_[0, np.cumsum(count)], np.dtype(self._order + p.kind)
+            at = np.repeat(start - offsets[:-1] * kind.itemsize, count) + np.arange(offsets[-1]) * kind.itemsize
+            values = self._bytes[at[:, None] + np.arange(kind.itemsize)].reshape(-1).view(kind)
+            out[p.name] = Lists(values, offsets) if p.length else values
+        return out
+
+    def _walk(self, element):
+        """Where the values of each property of each row begin in the body, and how many there are."""
+        kinds = [
+            (Struct(self._order + _CODES[p.length]) if p.length else None, np.dtype(p.kind).itemsize)
+            for p in element.properties
+        ]
+        starts, counts, at, size = [], [], self._at, len(self._body)
+        for row in range(element.count):
+            for code, item in kinds:
+                count = 1
+                if code is not None:
+                    if at + code.size > size:
+                        cut_off(self._path, element, row)
+                    count = _length(self._path, element, row, code.unpack_from(self._body, at)[0])
+                    at += code.size
+                if at + count * item > size:
+                    cut_off(self._path, element, row)
+                starts.append(at)
+                counts.append(count)
+                at += count * item
+        self._at = at
+        return np.array(starts, np.int64), np.array(counts, np.int64)
+
+
+def _length(path, element, row, value) -> int:
+    if not (0 <= value < np.inf and value == int(value)):
+        raise InputError(f"{path}: {element.name} {row}: {value:g} is no length of a list; export it again")
+    return int(value)
