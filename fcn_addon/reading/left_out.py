@@ -5,8 +5,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from bpy.app.translations import pgettext_rpt as rpt_
-
 HIDDEN = "hidden"
 OWN = "result of an earlier run"
 SCAN = "mesh with faces"
@@ -54,7 +52,7 @@ class LeftOut:
 
     def words(self) -> str:
         """How many of what: "2 hidden, 1 text"; empty where nothing is left out."""
-        return ", ".join(f"{len(names)} {rpt_(reason)}" for reason, names in self.groups().items())
+        return ", ".join(f"{len(names)} {reason}" for reason, names in self.groups().items())
 
     def line(self) -> str:
         """A line of the command line, with some names and what to do; empty where nothing is left out."""

@@ -103,11 +103,11 @@ def read_curves(objects, depsgraph, *, take_edges=False, quiet=False) -> SceneRe
 def _why_no_curves(found) -> str:
     if found.surfaces:
         first = next(iter(found.surfaces))
-        text = rpt_("object {name!r} is a surface of {faces} faces; detect its feature curves first")
+        text = rpt_("object {name!r} is a surface of {faces} triangles; detect its feature curves first")
         return text.format(name=found.names[first], faces=len(found.surfaces[first][1]))
     name, reason = found.left_out.objects[0]
     text = rpt_("object {name!r} gives no curves ({reason}); choose edge meshes or curve objects")
-    return text.format(name=name, reason=rpt_(reason))
+    return text.format(name=name, reason=reason)
 
 
 def read_surface(item, depsgraph, *, quiet=False):

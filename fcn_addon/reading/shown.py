@@ -54,7 +54,8 @@ def look(objects, depsgraph, quiet=False) -> Shown:
     ------
     InputError that names an object with a coordinate that is not finite
     """
-    order = {item: i for i, item in enumerate(objects)}
+    layer = depsgraph.view_layer  # it knows at once what was hidden, the depsgraph only when the scene is evaluated
+    order = {item: i for i, item in enumerate(objects) if item.visible_get(view_layer=layer)}
     found = Shown([], set(), set())
     reader = _Reader(quiet)
     with_curves, items = set(), []
