@@ -69,7 +69,7 @@ def parser(prog) -> argparse.ArgumentParser:
     length.add_argument("--surface", metavar="SCAN", help="that scan; only its mean edge length is taken")
     made.add_argument(
         "--weld", type=_weld, default=WELD, metavar="W",
-        help=f"ends of curves this near to another curve are on it [edge lengths, default {WELD:g}; 0 for equal points]",
+        help=f"ends of curves this near to another curve are on it [edge lengths, default {WELD:g}; 0: equal points]",
     )  # fmt: skip
     _add_detection(made.add_argument_group("feature curves of a scan, see docs/detection.md"))
     _add_parameters(made.add_argument_group("parameters of the method, with the names of the paper"), Parameters)

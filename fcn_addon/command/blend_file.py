@@ -12,7 +12,7 @@ from pathlib import Path
 
 import bpy
 
-from ...core.errors import InputError
+from ...core.errors import InputError, NoCurves
 from ..detected import edge_mesh
 from ..reading import left_out, reader
 from ..reading.left_out import LeftOut
@@ -53,7 +53,7 @@ def read(path, choice=None, say=lambda line: None):
         require_libraries()
         found, skipped = _of_scene(path, choice)
     except InputError as error:
-        raise InputError(f"{path}: {error}") from None
+        raise type(error)(f"{path}: {error}") from None
     if skipped:
         say(f"{path}: {skipped.line()}")
     return found, skipped
@@ -94,7 +94,7 @@ def _of_scene(path, choice):
     else:
         found += [Scan(f"{path}: object {read.names[i]!r}", *surface) for i, surface in read.surfaces.items()]
     if not found:
-        raise InputError(_nothing(choice, skipped))
+        raise NoCurves(_nothing(choice, skipped))
     return found, skipped
 
 

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import io
+from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 
 import bpy
@@ -28,7 +30,8 @@ def open_file(path):
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     run = _operator(path, Path(path).suffix.lower())
     try:
-        done = run(filepath=str(Path(path).resolve()))
+        with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):  # they say a lot
+            done = run(filepath=str(Path(path).resolve()))
     except Exception as error:  # the importers are scripts, and raise whatever a broken file makes them
         reason = " ".join(str(error).removeprefix("Error:").split()) or type(error).__name__
         raise InputError(f"{path}: Blender cannot import it ({reason}); was it cut off?") from None

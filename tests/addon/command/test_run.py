@@ -20,18 +20,6 @@ def folder(tmp_path, monkeypatch, arcs):
     return tmp_path
 
 
-@pytest.fixture
-def fcn(bpy, part, capsys):
-    """Run the command; exit code and what went to stderr."""
-    main = part("fcn_addon.command.run").main
-
-    def run(*arguments):
-        code = main([str(a) for a in arguments])
-        return code, capsys.readouterr().err
-
-    return run
-
-
 def test_everything_it_can_write(folder, fcn, bpy):
     pytest.importorskip("matplotlib")
     names = ["--out", "r.blend", "--curves", "r.obj", "--report", "r.json", "--figure", "r.png"]

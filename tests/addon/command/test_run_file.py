@@ -41,7 +41,11 @@ def test_with_blenders_module_a_blend_file_is_written(tmp_path, arcs):
     ("arguments", "blocked", "message"),
     [
         (["no.obj"], [], "error: no.obj: no such file; check the path\n"),
-        (["no.obj", "--out", "r.blend"], ["bpy"], "error: r.blend: a .blend file needs Blender: use `blender -b -P run.py"),
+        (
+            ["no.obj", "--out", "r.blend"],
+            ["bpy"],
+            "error: r.blend: a .blend file needs Blender: use `blender -b -P run.py",
+        ),
         (["no.blend"], ["bpy"], "error: no.blend: a .blend file needs Blender"),
         (["no.glb"], ["bpy"], "error: no.glb: a .glb file needs Blender: use `blender -b -P run.py"),
         (["no.obj", "--figure", "r.png"], ["matplotlib"], "error: --figure needs matplotlib: `pip install matplotlib`"),

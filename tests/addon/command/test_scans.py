@@ -28,18 +28,6 @@ def folder(tmp_path, monkeypatch, bumps):
     return tmp_path
 
 
-@pytest.fixture
-def fcn(bpy, part, capsys):
-    """Run the command; exit code and what went to stderr."""
-    main = part("fcn_addon.command.run").main
-
-    def run(*arguments):
-        code = main([str(a) for a in arguments])
-        return code, capsys.readouterr().err
-
-    return run
-
-
 def load(name):
     with open(name, encoding="utf-8") as file:
         return json.load(file)

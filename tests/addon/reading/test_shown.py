@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is read of a scene is what Blender shows: instances, modifiers, nodes, strokes; and what is left out is named."""
+"""What is read of a scene is what Blender shows: instances, modifiers, nodes, strokes. What is left out is named."""
 
 import numpy as np
 import pytest
