@@ -84,6 +84,8 @@ def _draw_summary(box, context):
         iface_("About {time}").format(time=duration(found.seconds)),
     ):
         column.label(text=text, icon="BLANK1", translate=False)
+    if found.coarse:
+        column.label(text="The edge length is a coarse estimate: type it in", icon="INFO")
     if found.left_out:
         text = iface_("Left out: {objects}").format(objects=found.left_out)
         column.label(text=text, icon="INFO", translate=False)

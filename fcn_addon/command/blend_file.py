@@ -7,10 +7,11 @@ All of it replaces what is open, so it is for the command line alone.
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import bpy
+import numpy as np
 
 from ...core.errors import InputError, NoCurves
 from ..detected import edge_mesh
@@ -19,8 +20,9 @@ from ..reading.left_out import LeftOut
 from ..result import writer
 from ..result.views import ROLE
 from ..scans import Scan
-from ..scene import importers
+from ..scene import importers, origin
 from ..scene.libraries import require_libraries
+from ..shifts import moved_completion, moved_curves, shift_for
 
 
 @dataclass(frozen=True)
@@ -39,7 +41,9 @@ class Choice:
 
 
 def read(path, choice=None, say=lambda line: None):
-    """The curves of a file as one Reading, then its scans, a Scan for each object, and what is LeftOut.
+    """The curves of a file as one Reading, then its scans, a Scan for each object; what is LeftOut; the scene's shift.
+
+    The shift, (3,) float64, is already in the coordinates.
 
     Parameters
     ----------
@@ -52,11 +56,19 @@ def read(path, choice=None, say=lambda line: None):
     try:
         require_libraries()
         found, skipped = _of_scene(path, choice)
+        shift = origin.of(bpy.context.scene)
     except InputError as error:
         raise type(error)(f"{path}: {error}") from None
     if skipped:
         say(f"{path}: {skipped.line()}")
-    return found, skipped
+    return [_moved(part, shift) for part in found], skipped, shift
+
+
+def _moved(part, shift):
+    """A Reading or a Scan moved by (3,)."""
+    if isinstance(part, Scan):
+        return replace(part, points=part.points + shift)
+    return replace(part, curves=moved_curves(part.curves, shift))
 
 
 def _open(path):
@@ -132,20 +144,42 @@ def _show(objects):
     bpy.context.view_layer.update()
 
 
-def write(completion, curves, path, source):
-    """Save a result as a .blend file that holds nothing else."""
-    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    writer.write(completion, curves, source=source, scene=bpy.context.scene)
+def write(completion, curves, path, source, shift=None):
+    """Save a result as a .blend file that holds nothing else, about its origin.
+
+    shift : (3,), where the origin of the scene that the curves come from lies, None for (0, 0, 0); where they are far
+        from it, the result gets an origin nearer to them
+    """
+    shift = _shift(curves.points, shift)
+    scene = _empty_scene(shift)
+    root = writer.write(
+        moved_completion(completion, -shift), moved_curves(curves, -shift), source=source, scene=scene
+    )  # fmt: skip
+    origin.keep(root, shift)
     _save(path)
 
 
-def write_detected(detected, path, source):
-    """Save detected curves as a .blend file that holds an edge mesh for each scan and nothing else."""
-    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+def write_detected(detected, path, source, shift=None):
+    """Save detected curves as a .blend file with an edge mesh for each scan and nothing else, about its origin."""
+    shift = _shift(np.concatenate([d.found.curves.points for d in detected]), shift)
+    scene = _empty_scene(shift)
     for d in detected:
         name = source if len(detected) == 1 else Path(d.name).stem
-        bpy.context.scene.collection.objects.link(edge_mesh.make(f"{name} curves", d.found))
+        scene.collection.objects.link(edge_mesh.make(f"{name} curves", d.found, shift))
     _save(path)
+
+
+def _shift(points, given):
+    """The shift that is given, and what must be added to it to come near the origin."""
+    given = np.zeros(3) if given is None else np.asarray(given, float)
+    return given + shift_for(points - given)
+
+
+def _empty_scene(shift):
+    """The scene of a new file."""
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    origin.keep(bpy.context.scene, shift)
+    return bpy.context.scene
 
 
 def _save(path):

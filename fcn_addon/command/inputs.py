@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
 from ...core.errors import InputError, NoCurves
@@ -10,8 +11,21 @@ from ...core.files import formats
 from ..scans import Scan
 
 
-def read(options, say):
-    """A Reading, not joined, or a Scan for each of what the inputs hold, in their order; and rows of what is left out.
+@dataclass(frozen=True)
+class Inputs:
+    """parts : a Reading, not joined, or a Scan for each of what the inputs hold, in their order
+
+    left_out : rows of the report
+    shift : (3,), where the origin of the first scene lies, None where no input is a scene
+    """
+
+    parts: list
+    left_out: list
+    shift: object = None
+
+
+def read(options, say) -> Inputs:
+    """What the inputs hold.
 
     Parameters
     ----------
@@ -21,18 +35,19 @@ def read(options, say):
     for name in ("object", "collection", "hidden"):
         if getattr(options, name) and not any(map(formats.is_blenders, options.input)):
             raise InputError(f"--{name} chooses from a .blend file or another scene; give one, or leave it out")
-    rows = []
+    rows, shifts = [], []
 
     def parts(path):
         if not formats.is_blenders(path):
             return [_read(path, options.take_edges, say)]
-        found, skipped = _read_scene(path, options, say)
+        found, skipped, shift = _read_scene(path, options, say)
+        shifts.append(shift)
         rows.extend({"file": str(path), **row} for row in skipped.rows())
         return found
 
     found = [part for every in each(options.input, parts, say) for part in every]
     _check(options, found)
-    return found, rows
+    return Inputs(found, rows, shifts[0] if shifts else None)
 
 
 def _read_scene(path, options, say):

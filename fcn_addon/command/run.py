@@ -12,6 +12,7 @@ from ...core.errors import Cancelled, InputError
 from ...core.files.formats import is_blenders, mean_edge_length, read_surface
 from ...core.files.reading import concatenate
 from .. import installation, scans
+from ..coarse import is_coarse_estimate
 from . import arguments, inputs, writing
 from .figure import figure
 from .outputs import Outputs
@@ -46,15 +47,13 @@ def _run(options, terminal):
     sources = [*options.input, *([options.surface] if options.surface else [])]
     with Outputs(wanted.values(), sources) as outputs:
         began = time.perf_counter()
-        parts, left_out = inputs.read(options, terminal.say)
+        given = inputs.read(options, terminal.say)
         seconds = {"read": time.perf_counter() - began}
         began = time.perf_counter()
-        parts, detected = _detect(parts, detection, kinds, terminal)
+        parts, detected = _detect(given.parts, detection, kinds, terminal)
         seconds["detect"] = time.perf_counter() - began
         if options.detect_only:
-            said = writing.write_detected(
-                detected, detection, kinds, seconds, wanted, outputs, _name(options), left_out
-            )
+            said = writing.write_detected(detected, detection, kinds, seconds, wanted, outputs, _name(options), given)
         else:
             reading = concatenate(parts)
             edge_length = _edge_length(options, reading)
@@ -66,9 +65,9 @@ def _run(options, terminal):
             )
             completion = _complete(reading.curves, edge_length, parameters, terminal)
             document = _report(completion, reading, parameters, seconds)
-            document["left_out"] = left_out
+            document["left_out"] = given.left_out
             document["detection"] = writing.described(detected, detection, kinds)
-            writing.write(completion, document, reading, wanted, outputs, _name(options))
+            writing.write(completion, document, reading, wanted, outputs, _name(options), given.shift)
             said = writing.summary_line(document)
     terminal.say(said + writing.written(wanted))
 
@@ -85,6 +84,8 @@ def _detect(parts, parameters, kinds, terminal):
             f"{part.name}: {len(found.found)} feature curves on {found.faces} faces, "
             f"edge length {found.edge_length:.4g}, smoothed by {found.found.detail:.2g} of it"
         )
+        for remark in found.remarks:
+            terminal.say(f"{part.name}: {remark}")
         detected.append(found)
         return found.reading
 
@@ -129,7 +130,13 @@ def _origin(options, reading):
         return "as given"
     if reading.edge_length:
         return "mean edge of the scan"
-    return "estimated from the curves; --edge-length or --surface set it"
+    words = "estimated from the curves; --edge-length or --surface set it"
+    if is_coarse_estimate(reading.curves):
+        words += (
+            "; a coarse estimate: the segments are of very different lengths, as those of drawings are, and it takes "
+            "their median for the edges of a scan"
+        )
+    return words
 
 
 def _complete(curves, edge_length, parameters, terminal):

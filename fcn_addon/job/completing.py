@@ -20,6 +20,7 @@ from ..reading import reader
 from ..reading.left_out import LeftOut
 from ..reading.visibility import shown
 from ..result import stored, views, writer
+from ..scene import origin
 from ..scene.identity import Identity
 from ..scene.units import unit_length
 from . import chosen
@@ -109,6 +110,7 @@ def finish(context, task, completion):
     root = writer.write(completion, task.reading.curves, source=task.label, scene=scene, length=length)
     try:
         stored.describe(root, completion, task, length)
+        origin.keep(root, origin.of(scene))
         views.refresh(root)
     except BaseException:
         stored.remove(root)

@@ -51,6 +51,7 @@ class Made:
     found: object
     measured: Measured
     completion: object = None
+    remarks: tuple[str, ...] = ()
 
 
 def scan_of(context):
@@ -117,13 +118,13 @@ def work(task, report) -> Made:
     except InputError as error:
         raise InputError(f"{task.scan.name}: {error}") from None
     scans.require_curves(task.scan.name, found, task.parameters)
+    remarks = scans.remarks(task.scan, known.mesh, found.edge_length)
     if task.method is None:
-        return Made(found, known)
+        return Made(found, known, None, remarks)
     from ...core.pipeline import complete
 
-    return Made(
-        found, known, complete(found.curves, edge_length=found.edge_length, parameters=task.method, progress=report)
-    )
+    completion = complete(found.curves, edge_length=found.edge_length, parameters=task.method, progress=report)
+    return Made(found, known, completion, remarks)
 
 
 def _fingerprint(scan) -> bytes:
@@ -144,6 +145,7 @@ def finish(context, task, made):
     scene.collection.objects.link(item)
     curves = item.fcn_curves
     curves.scan, curves.total, curves.shown = task.label, len(made.found), len(made.found)
+    curves.remarks = "; ".join(made.remarks)
     for old in earlier:
         kept.remove(old)
     item.name = f"{task.label} curves"

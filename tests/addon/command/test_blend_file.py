@@ -17,7 +17,7 @@ def take(bpy, part):
 
     def call(path, **choice):
         said = []
-        found, skipped = module.read(str(path), module.Choice(**choice), said.append)
+        found, skipped, _ = module.read(str(path), module.Choice(**choice), said.append)
         return found, skipped.groups(), said
 
     return call
