@@ -20,7 +20,8 @@ def read_ply(path) -> Reading:
     _points(path, elements)
     edge = elements.get("edge", {})
     if not {"vertex1", "vertex2"} <= set(edge):
-        hint = "it holds a surface; give it with --surface" if {"face", STRIPS} & set(elements) else "export its edges too"
+        surface = {"face", STRIPS} & set(elements)
+        hint = "it holds a surface; give it with --surface" if surface else "export its edges too"
         raise NoCurves(f"{path}: no element `edge` with vertex1 and vertex2, so no curves; {hint}")
     ends = [_integers(path, "edge", name, _plain(path, "edge", edge, name)) for name in ("vertex1", "vertex2")]
     index, offsets = np.stack(ends, axis=1).ravel(), np.arange(len(ends[0]) + 1) * 2

@@ -43,7 +43,7 @@ def _count(data, at) -> int:
 def _binary(path, data) -> np.ndarray:
     """(k, 3) float64, corners of all facets of all solids; spare bytes behind them are passed over."""
     if len(data) < _HEADER:
-        raise InputError(f"{path}: {len(data)} bytes do not fit an STL file, of no header; it was cut off, export it again")
+        raise InputError(f"{path}: {len(data)} bytes are too few for an STL file; it was cut off, export it again")
     at, parts = 0, []
     while len(data) - at >= _HEADER:
         count, room = _count(data, at), (len(data) - at - _HEADER) // _FACET.itemsize

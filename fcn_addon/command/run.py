@@ -10,6 +10,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from ...core.errors import Cancelled, InputError
+from ...core.files.dxf import require_ezdxf
 from ...core.files.formats import mean_edge_length, read_surface
 from ...core.files.reading import concatenate
 from .. import installation, scans
@@ -93,10 +94,12 @@ def _detect(parts, parameters, kinds, terminal):
 def _wanted(options) -> dict:
     """Output name -> path, after what each needs was looked for."""
     wanted = {name: getattr(options, name) for name in ("out", "curves", "report", "figure") if getattr(options, name)}
-    endings = {"out": ".blend", "curves": ".obj", "report": ".json"}
+    endings = {"out": (".blend",), "curves": writing.CURVE_FILES, "report": (".json",)}
     for name, path in wanted.items():
-        if name in endings and Path(path).suffix.lower() != endings[name]:
-            raise InputError(f"{path}: --{name} writes a {endings[name]} file; end the name so")
+        if name in endings and Path(path).suffix.lower() not in endings[name]:
+            raise InputError(f"{path}: --{name} writes a {' or '.join(endings[name])} file; end the name so")
+    if any(Path(path).suffix.lower() == ".dxf" for path in (*options.input, *wanted.values())):
+        require_ezdxf()
     if ("out" in wanted or any(inputs.is_blend(path) for path in options.input)) and find_spec("bpy") is None:
         raise InputError(
             "a .blend file needs Blender: use `blender -b -P run.py -- …`, or `pip install bpy` for this Python"

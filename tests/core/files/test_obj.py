@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from core.errors import InputError
-from core.files.obj import write_obj
 from core.files.formats import mean_edge_length, read_curves, read_surface
+from core.files.obj import write_obj
 
 SQUARE = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
 
