@@ -52,7 +52,7 @@ def read_dxf(path) -> Reading:
                 raise InputError(f"{path}: over {MOST} points with all blocks put in; simplify the drawing")
     except InputError:
         raise
-    except (ArithmeticError, AttributeError, LookupError, MemoryError, RecursionError, TypeError, ValueError) as error:
+    except Exception as error:  # ezdxf raises whatever the damage leads to
         raise InputError(f"{path}: the drawing is damaged ({_words(error)}); save it again") from None
     lines = [line for line in lines if len(line) > 1]
     told = ", ".join(f"{count} {name}" for name, count in sorted(left_out.items()))
@@ -81,11 +81,11 @@ def _open(path):
     try:
         try:
             return ezdxf.readfile(path)
-        except (ezdxf.DXFError, UnicodeDecodeError, ValueError, LookupError, AttributeError, TypeError):
+        except Exception:  # whatever the damage leads to
             drawing, audit = recover.readfile(path)
     except (ezdxf.DXFError, OSError) as error:
         raise InputError(f"{path}: this is no DXF file or it was cut off ({_words(error)}); save it again") from None
-    except (ArithmeticError, AttributeError, LookupError, MemoryError, RecursionError, TypeError, ValueError) as error:
+    except Exception as error:
         raise InputError(f"{path}: the drawing is damaged ({_words(error)}); save it again") from None
     if audit.has_errors:
         raise InputError(f"{path}: the drawing is damaged ({_words(audit.errors[0].message)}); save it again")
