@@ -126,7 +126,13 @@ def test_blocks_that_hold_themselves_end(drawing):
 
 @pytest.mark.parametrize(
     ("data", "message"),
-    [(b"hello\n", "no DXF file"), (b"AC1032\0\0\0", "DWG"), (b"\0\1\2", "binary"), (b"  0\nSECTION\n", "damaged|no DXF")],
+    [
+        (b"hello\n", "no DXF file"),
+        (b"AC1032\0\0\0", "DWG"),
+        (b"\0\1\2", "binary"),
+        (b"  0\nSECTION\n", "cut off"),
+        (b"hello\n  0\nEOF\n", "no DXF|damaged|no curves"),
+    ],
 )
 def test_what_is_no_drawing_is_named(tmp_path, data, message):
     (tmp_path / "a.dxf").write_bytes(data)
@@ -202,7 +208,7 @@ def test_primitives_are_written_as_what_they_are(tmp_path):
     control = FAR + np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (2, 1, 1.0)])
     pieces = (
         Primitive("line", start=FAR, end=FAR + 1, control=control),
-        Primitive("arc", start=centre + 2 * along, centre=centre, radius=2.0, normal=normal, angle=1.2, control=control),
+        Primitive("arc", centre + 2 * along, None, centre, radius=2.0, normal=normal, angle=1.2, control=control),
         Primitive("circle", centre=centre, radius=1.5, normal=normal, control=control),
         Primitive("bezier", control=control),
     )

@@ -70,7 +70,8 @@ def test_a_line_is_cut_where_another_ends_on_it(foot):
     at = list(foot)
     assert lists(read) == [[[0, 0], at], [at, [1, 0]], [at, [0.5, 2]]]
     assert read.count == 2 and read.curves.source.tolist() == [0, 0, 1]
-    assert read.shares.length == pytest.approx([np.hypot(*foot), np.hypot(1 - foot[0], foot[1]), np.hypot(0.5 - foot[0], 2)], rel=1e-3)
+    lengths = [np.hypot(*foot), np.hypot(1 - foot[0], foot[1]), np.hypot(0.5 - foot[0], 2)]
+    assert read.shares.length == pytest.approx(lengths, rel=1e-3)
 
 
 def test_a_long_line_is_cut_by_many_and_crossings_without_an_end_are_none():
@@ -141,7 +142,7 @@ def test_edges_or_polylines_in_any_order_give_the_same_segments(lines, random):
     if all(a == b for a, b in edges):
         return
     wanted = {frozenset(e) for e in edges if e[0] != e[1]}
-    assert segments_of(join(reading(*map(lambda line: flat(*line), lines)), 0.0)) == wanted
+    assert segments_of(join(reading(*(flat(*line) for line in lines)), 0.0)) == wanted
     random.shuffle(edges)
     read = join(reading(*edges, named=False), 0.0)
     assert segments_of(read) == wanted
