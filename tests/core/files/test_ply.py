@@ -135,7 +135,8 @@ BODY = b"0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3\n"
         header(*VERTICES, *FACES) + BODY,
         header(*VERTICES, *FACES) + BODY.replace(b"\n", b" "),  # rows that are not lines
         header(*VERTICES, *FACES) + BODY.replace(b" ", b"\n"),
-        header("comment a", "obj_info b", *VERTICES, *FACES) + b"comment first\n" + BODY.replace(b"3 0 1", b"comment x 1\n3 0 1"),
+        header("comment a", "obj_info b", *VERTICES, *FACES) + BODY.replace(b"3 0 1", b"comment x 1\n3 0 1"),
+        header(*VERTICES, *FACES) + b"comment first\n" + BODY,
         header(*(line.replace(" x", " X").replace("vertex", "Vertex") for line in VERTICES), *FACES) + BODY,
         header(*VERTICES, *(line.replace("indices", "index") for line in FACES)) + BODY,
         header(*VERTICES, "property uchar red", *FACES) + BODY.replace(b" 0\n", b" 0 255\n"),
@@ -175,7 +176,7 @@ def test_a_point_that_no_face_has_may_be_anything(file):
         ((*VERTICES, "element face 2", "property list uchar int corners"), "`face` has no vertex_indices"),
         ((*VERTICES, *VERTICES), "line 7: 'element vertex 4' is not PLY"),
         ((*VERTICES, "propertee float q"), "line 7"),
-        (("element vertex 4", "property list uchar float x", *VERTICES[2:], *FACES), "cut off|is a list where one number"),
+        (("element vertex 4", "property list uchar float x", *VERTICES[2:], *FACES), "cut off|is a list where one"),
     ],
 )  # fmt: skip
 def test_a_header_that_lies_is_refused(head, message, file):
