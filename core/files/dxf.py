@@ -10,7 +10,7 @@ import numpy as np
 
 from ..errors import InputError, NoCurves
 from .reading import Reading, lines_of_points
-from .text import load
+from .text import LARGEST, load
 
 CURVES = ("LINE", "POLYLINE", "LWPOLYLINE", "SPLINE", "ARC", "CIRCLE", "ELLIPSE")
 """Entities that are read; INSERT stands for those of its block."""
@@ -60,9 +60,9 @@ def read_dxf(path) -> Reading:
         hint = f"left out are {told}; show its layers, or explode it to lines" if told else f"draw {', '.join(CURVES)}"
         raise NoCurves(f"{path}: no curves in its model space; {hint}")
     points = np.concatenate(lines)
-    wrong = np.flatnonzero(~np.isfinite(points).all(axis=1))
+    wrong = np.flatnonzero(~(np.abs(points) <= LARGEST).all(axis=1))
     if len(wrong):
-        raise InputError(f"{path}: a point at {points[wrong[0]]} is not finite; remove it from the drawing")
+        raise InputError(f"{path}: {points[wrong[0]]} is not finite or too large; remove the point from the drawing")
     offsets = np.r_[0, np.cumsum([len(line) for line in lines])]
     reading = lines_of_points(path, points, np.arange(len(points)), offsets, named=np.zeros(len(lines), bool))
     return replace(reading, left_out=told)

@@ -63,7 +63,8 @@ def _binary(path, data) -> np.ndarray:
             more = np.frombuffer(data, _FACET, room - count, at)
             if _are_facets(more, found):  # the header tells of too few
                 found, at = np.concatenate([found, more]), len(data)
-        parts.append(found["corners"].astype(np.float64).reshape(-1, 3))
+        with np.errstate(invalid="ignore"):  # NaN of any kind is named later
+            parts.append(found["corners"].astype(np.float64).reshape(-1, 3))
     return np.concatenate(parts)
 
 

@@ -9,6 +9,8 @@ from contextlib import contextmanager
 from importlib.util import find_spec
 from pathlib import Path
 
+import numpy as np
+
 from ...core.errors import Cancelled, InputError
 from ...core.files.dxf import require_ezdxf
 from ...core.files.formats import mean_edge_length, read_surface
@@ -20,6 +22,8 @@ from .outputs import Outputs
 from .terminal import Terminal
 
 DONE, WRONG, STOPPED = 0, 2, 130
+COARSE = 4.0
+"""Lengths of segments that differ by more are no lengths of edges of a scan, but of lines that were drawn."""
 
 
 def main(argv, prog="run.py") -> int:
@@ -132,7 +136,21 @@ def _origin(options, reading):
         return "as given"
     if reading.edge_length:
         return "mean edge of the scan"
+    shortest, longest = _spread(reading)
+    if not reading.crossings and longest > COARSE * shortest:
+        return (
+            f"coarse: the middle of segments that are {shortest:.3g} to {longest:.3g} long; "
+            "--edge-length or --surface set it"
+        )
     return "estimated from the curves; --edge-length or --surface set it"
+
+
+def _spread(reading):
+    """Lengths of which nearly all segments are: a tenth is shorter, a tenth longer."""
+    from ...core.geometry.polylines import segments
+
+    _, steps = segments(reading.curves)
+    return np.quantile(steps[steps > 0], (0.1, 0.9)).tolist()
 
 
 def _complete(curves, edge_length, parameters, terminal):

@@ -165,6 +165,23 @@ def test_no_strong_curve_suggests_l0(folder, fcn, text, message):
     assert not (folder / "r.json").exists()
 
 
+@pytest.mark.parametrize("length", [0.2, 0.5, 0.9, 2.0])
+def test_the_advice_works_when_it_is_tried(folder, fcn, length):
+    (folder / "weak.obj").write_text(f"v 0 0 0\nv {length / 2} 0 0\nv {length} 0 0\nl 1 2 3\n")
+    code, said = fcn("weak.obj", "--edge-length", "0.1")
+    assert code == 2
+    edge_length = said.partition("an edge length of ")[2].split()[0]
+    assert fcn("weak.obj", "--edge-length", edge_length)[0] == 0
+    assert ("try l0" in said) == (length > 0.4)
+    if "try l0" in said:
+        assert fcn("weak.obj", "--edge-length", "0.1", "--l0", said.partition("try l0 = ")[2].split(",")[0])[0] == 0
+
+
+def test_an_edge_length_from_drawn_lines_is_said_to_be_coarse(folder, fcn):
+    (folder / "in.obj").write_text(as_obj(window_row(), joined=True))
+    assert "coarse: the middle of segments that are 0.312 to" in fcn("in.obj")[1]
+
+
 def test_l0_that_is_longer_than_all_curves(folder, fcn):
     code, said = fcn("in.obj", "--edge-length", "0.1", "--l0", "5000", "--quiet")
     assert (code, said.count("\n")) == (2, 1) and "none is longer than l0 = 5000 edge lengths" in said

@@ -51,6 +51,12 @@ def test_edges_are_a_graph(kind, file):
 
 
 @pytest.mark.parametrize("kind", FORMATS)
+def test_elements_of_no_row(kind, file):
+    data = ply(kind, edges=[(0, 1)]).replace(b"property float area\n", b"")
+    assert len(read_curves([file(data)]).curves) == 1 and len(read_surface(file(data))[1]) == 0
+
+
+@pytest.mark.parametrize("kind", FORMATS)
 def test_curvature_is_the_strength(kind, file):
     read = read_curves([file(ply(kind, edges=[(2, 1), (1, 0)], curvature=[1, -2.5, 3, 4, 5]))]).curves
     assert read.strength.tolist() == [3, 2.5, 1]
