@@ -54,9 +54,10 @@ def _complete(curves, edge_length, p, progress):
     strong = strong_curves(network, l0=p.l0, strong_curvature=p.strong_curvature)
     longest = network.lengths.max()
     if not longest > p.l0:
+        shorter = f"l0 = {max(4, int(0.5 * longest))}, or " if longest > 4 else ""
         raise InputError(
             f"no curve is strong: none is longer than l0 = {p.l0:g} edge lengths, the longest has {longest:.1f}; "
-            f"try l0 = {max(4, int(0.5 * longest))}, or check the edge length {edge_length:g}"
+            f"try {shorter}an edge length of {0.5 * edge_length * longest / p.l0:.2g} instead of {edge_length:.3g}"
         )
     with clock.stage("blast", seconds):
         matches = feature_blast(

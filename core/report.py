@@ -14,7 +14,9 @@ SCHEMA = "fcn-report/1"
 STAGES = ("blast", "voting", "clustering", "orbits", "selection", "completion")
 
 
-def report(completion: Completion, curves: Curves, *, version: str, parameters: Parameters, count=None, shares=None, seconds=None):
+def report(
+    completion: Completion, curves: Curves, *, version, parameters: Parameters, count=None, shares=None, seconds=None
+):  # fmt: skip
     """The report as a dict of plain Python values.
 
     Parameters

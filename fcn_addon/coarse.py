@@ -9,8 +9,8 @@ from ..core.geometry.polylines import segments
 
 SHARE = 0.1
 """Of the edge length: what is rounded coarser bends the surface more than the noise of scanners does."""
-LONG = 3.0  # medians
-MUCH = 0.25  # of the length
+DRAWN = 4.0
+"""Lengths of segments that differ by more are no lengths of edges of a scan, but of lines that were drawn."""
 SAMPLE = 100_000  # points that are looked at
 FULL = 0.5
 """Share of the steps between the least and the greatest coordinate that points lie on. Rounding fills nearly all of
@@ -34,14 +34,17 @@ def rounding_step(points, triangles, edge_length):
     return found if found > SHARE * edge_length else None
 
 
-def is_coarse_estimate(curves) -> bool:
-    """Whether much of the length of curves is in segments far longer than the median, as in drawings.
+def coarse_spread(curves):
+    """Lengths between which most segments of curves are, where they differ as those of drawings do; None otherwise.
 
-    The edge length is estimated as the median; that of curves along the edges of a scan is a good one.
+    The edge length is estimated as their median; that of curves along the edges of a scan is a good one.
     """
     _, lengths = segments(curves)
-    total = lengths.sum()
-    return bool(total > 0 and lengths[lengths > LONG * np.median(lengths[lengths > 0])].sum() > MUCH * total)
+    lengths = lengths[lengths > 0]
+    if not len(lengths):
+        return None
+    shortest, longest = np.quantile(lengths, (0.1, 0.9)).tolist()
+    return (shortest, longest) if longest > DRAWN * shortest else None
 
 
 def _step(values) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..errors import InputError, NoCurves
 from .reading import Reading, lines_of_points
-from .text import load
+from .text import LARGEST, load
 
 CURVES = ("LINE", "POLYLINE", "LWPOLYLINE", "SPLINE", "ARC", "CIRCLE", "ELLIPSE")
 """Entities that are read; INSERT stands for those of its block."""
@@ -52,7 +52,7 @@ def read_dxf(path) -> Reading:
                 raise InputError(f"{path}: over {MOST} points with all blocks put in; simplify the drawing")
     except InputError:
         raise
-    except (ArithmeticError, AttributeError, LookupError, MemoryError, RecursionError, TypeError, ValueError) as error:
+    except Exception as error:  # ezdxf raises whatever the damage leads to
         raise InputError(f"{path}: the drawing is damaged ({_words(error)}); save it again") from None
     lines = [line for line in lines if len(line) > 1]
     told = ", ".join(f"{count} {name}" for name, count in sorted(left_out.items()))
@@ -60,9 +60,9 @@ def read_dxf(path) -> Reading:
         hint = f"left out are {told}; show its layers, or explode it to lines" if told else f"draw {', '.join(CURVES)}"
         raise NoCurves(f"{path}: no curves in its model space; {hint}")
     points = np.concatenate(lines)
-    wrong = np.flatnonzero(~np.isfinite(points).all(axis=1))
+    wrong = np.flatnonzero(~(np.abs(points) <= LARGEST).all(axis=1))
     if len(wrong):
-        raise InputError(f"{path}: a point at {points[wrong[0]]} is not finite; remove it from the drawing")
+        raise InputError(f"{path}: {points[wrong[0]]} is not finite or too large; remove the point from the drawing")
     offsets = np.r_[0, np.cumsum([len(line) for line in lines])]
     reading = lines_of_points(path, points, np.arange(len(points)), offsets, named=np.zeros(len(lines), bool))
     return replace(reading, left_out=told)
@@ -78,14 +78,16 @@ def _open(path):
         raise InputError(f"{path}: this is a DWG file; save it as DXF")
     if not binary and b"\0" in data[:65536]:
         raise InputError(f"{path}: this is binary data, not a DXF file; check the file's format and its ending")
+    if b"EOF" not in data[-256:]:
+        raise InputError(f"{path}: this is no DXF file or it was cut off, it has no EOF at its end; save it again")
     try:
         try:
             return ezdxf.readfile(path)
-        except (ezdxf.DXFError, UnicodeDecodeError, ValueError, LookupError, AttributeError, TypeError):
+        except Exception:  # whatever the damage leads to
             drawing, audit = recover.readfile(path)
     except (ezdxf.DXFError, OSError) as error:
         raise InputError(f"{path}: this is no DXF file or it was cut off ({_words(error)}); save it again") from None
-    except (ArithmeticError, AttributeError, LookupError, MemoryError, RecursionError, TypeError, ValueError) as error:
+    except Exception as error:
         raise InputError(f"{path}: the drawing is damaged ({_words(error)}); save it again") from None
     if audit.has_errors:
         raise InputError(f"{path}: the drawing is damaged ({_words(audit.errors[0].message)}); save it again")

@@ -54,7 +54,8 @@ FORMATS = (
     Format((".polylines.txt", ".cgal"), "", "CGAL's polylines, `n x y z x y z ...`", None, read_polylines),
     Format(
         (".txt",), "",
-        "ridge lines of CGAL's Ridges_3, `ridges.txt` / `ravines.txt` of CrestCODE, or CGAL's polylines", None, read_text,
+        "ridge lines of CGAL's Ridges_3, `ridges.txt` / `ravines.txt` of CrestCODE, or CGAL's polylines",
+        None, read_text,
     ),
 )  # fmt: skip
 

@@ -9,6 +9,7 @@ from ..errors import InputError, NoCurves
 from .ply_data import Lists, read_elements, read_header
 from .polygons import triangles_of_polygons
 from .reading import Reading, lines_of_points
+from .text import LARGEST
 
 CORNERS = ("vertex_indices", "vertex_index")
 STRIPS = "tristrips"
@@ -20,7 +21,8 @@ def read_ply(path) -> Reading:
     _points(path, elements)
     edge = elements.get("edge", {})
     if not {"vertex1", "vertex2"} <= set(edge):
-        hint = "it holds a surface; give it with --surface" if {"face", STRIPS} & set(elements) else "export its edges too"
+        surface = {"face", STRIPS} & set(elements)
+        hint = "it holds a surface; give it with --surface" if surface else "export its edges too"
         raise NoCurves(f"{path}: no element `edge` with vertex1 and vertex2, so no curves; {hint}")
     ends = [_integers(path, "edge", name, _plain(path, "edge", edge, name)) for name in ("vertex1", "vertex2")]
     index, offsets = np.stack(ends, axis=1).ravel(), np.arange(len(ends[0]) + 1) * 2
@@ -94,17 +96,17 @@ def _points(path, elements) -> np.ndarray:
 
 def _used(path, points, index, strength):
     """Points, indices and strengths without the points that are not finite and not used."""
-    bad = ~np.isfinite(points).all(axis=1)
+    bad = ~(np.abs(points) <= LARGEST).all(axis=1)
     used = np.zeros(len(points), bool)
     used[index] = True
     wrong = np.flatnonzero(bad & used)
     if len(wrong):
-        raise InputError(f"{path}: vertex {wrong[0]}: {points[wrong[0]]} is not finite; remove the point or correct it")
+        raise InputError(f"{path}: vertex {wrong[0]}: {points[wrong[0]]} is not finite or too large; remove the point or correct it")
     if strength is not None:
-        wrong = np.flatnonzero(~np.isfinite(strength) & used)
+        wrong = np.flatnonzero(~(strength <= LARGEST) & used)
         if len(wrong):
             raise InputError(f"{path}: vertex {wrong[0]}: its curvature is not finite; correct it or remove it")
-        strength = np.where(np.isfinite(strength), strength, 0.0)[~bad]
+        strength = np.where(strength <= LARGEST, strength, 0.0)[~bad]
     if bad.any():
         index = (np.cumsum(~bad) - 1)[index]
     return points[~bad], index, strength

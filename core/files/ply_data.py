@@ -212,6 +212,8 @@ class _Binary:
         self._bytes = np.frombuffer(body, np.uint8)
 
     def element(self, element) -> dict:
+        if not element.count:
+            return {p.name: _empty(p) for p in element.properties}
         return self._even(element) or self._uneven(element)
 
     def check_end(self):
@@ -223,7 +225,7 @@ class _Binary:
         for i, p in enumerate(element.properties):
             if p.length is None:
                 layout.append((f"v{i}", self._order + p.kind))
-            elif element.count:
+            else:
                 at, code = self._at + size, Struct(self._order + _CODES[p.length])
                 if at + code.size > len(self._body):
                     return None
@@ -231,14 +233,12 @@ class _Binary:
                 if not 0 <= length <= len(self._body):
                     return None
                 layout += [(f"n{i}", self._order + p.length), (f"v{i}", self._order + p.kind, (length,))]
-            else:
-                layout.append((f"v{i}", self._order + p.kind, (0,)))
             size = np.dtype(layout).itemsize
         row = np.dtype(layout)
         if self._at + element.count * row.itemsize > len(self._body):
             return None
-        values = np.frombuffer(self._body, row, element.count, self._at) if row.itemsize else None
-        lists = [i for i, p in enumerate(element.properties) if p.length] if element.count else []
+        values = np.frombuffer(self._body, row, element.count, self._at)
+        lists = [i for i, p in enumerate(element.properties) if p.length]
         if any((values[f"n{i}"] != row[f"v{i}"].shape[0]).any() for i in lists):
             return None
         self._at += element.count * row.itemsize
@@ -285,6 +285,11 @@ class _Binary:
                 at += count * item
         self._at = at
         return np.array(starts, np.int64), np.array(counts, np.int64)
+
+
+def _empty(p: Property):
+    values = np.zeros(0, p.kind)
+    return Lists(values, np.zeros(1, np.int64)) if p.length else values
 
 
 def _length(path, element, row, value) -> int:

@@ -65,5 +65,5 @@ def polylines_of_rows(path, rows, numbers) -> Reading:
 def _count(path, word, number) -> int:
     if not (word.isdigit() and len(word) < 10):
         shown = word[:40].decode("latin1")
-        raise InputError(f"{path}: line {number}: {shown!r} is not the number of points of a polyline; correct the line")
+        raise InputError(f"{path}: line {number}: {shown!r} is no number of points of a polyline; correct the line")
     return int(word)

@@ -77,10 +77,11 @@ def _read_cgal(path, rows, numbers) -> Reading:
 def _refuse_cloud(path, rows):
     """Raise NoCurves where the rows are a table of numbers, at least three in each: points, and nothing joins them."""
     rows = [row.replace(b",", b" ").replace(b";", b" ").split() for row in rows[:1000]]
-    while len(rows) > 2 and rows[0] and numbers_of(rows[0]) is None:  # the names of the columns
+    while len(rows) > 2 and (len(rows[0]) < 3 or numbers_of(rows[0]) is None):  # a count, or the names of the columns
         rows = rows[1:]
     widths = {len(row) for row in rows}
-    if len(rows) > 1 and len(widths) == 1 and min(widths) >= 3 and numbers_of([w for row in rows for w in row]) is not None:
+    is_table = len(rows) > 1 and len(widths) == 1 and min(widths) >= 3
+    if is_table and numbers_of([word for row in rows for word in row]) is not None:
         raise NoCurves(
             f"{path}: this is a point cloud, {min(widths)} numbers in each row: it has neither curves nor faces; "
             "make a mesh of it and give that as a scan"

@@ -43,7 +43,7 @@ def _count(data, at) -> int:
 def _binary(path, data) -> np.ndarray:
     """(k, 3) float64, corners of all facets of all solids; spare bytes behind them are passed over."""
     if len(data) < _HEADER:
-        raise InputError(f"{path}: {len(data)} bytes do not fit an STL file, of no header; it was cut off, export it again")
+        raise InputError(f"{path}: {len(data)} bytes are too few for an STL file; it was cut off, export it again")
     at, parts = 0, []
     while len(data) - at >= _HEADER:
         count, room = _count(data, at), (len(data) - at - _HEADER) // _FACET.itemsize
@@ -63,7 +63,8 @@ def _binary(path, data) -> np.ndarray:
             more = np.frombuffer(data, _FACET, room - count, at)
             if _are_facets(more, found):  # the header tells of too few
                 found, at = np.concatenate([found, more]), len(data)
-        parts.append(found["corners"].astype(np.float64).reshape(-1, 3))
+        with np.errstate(invalid="ignore"):  # NaN of any kind is named later
+            parts.append(found["corners"].astype(np.float64).reshape(-1, 3))
     return np.concatenate(parts)
 
 

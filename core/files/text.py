@@ -13,6 +13,9 @@ from ..errors import InputError
 LONGEST = 64
 """Characters of a number; longer words are none, and an array of words is as wide as its longest."""
 
+LARGEST = 1e100
+"""No coordinate is beyond it: squares of larger ones overflow."""
+
 MARKS = (
     (codecs.BOM_UTF8, "utf-8"), (codecs.BOM_UTF32_LE, "utf-32-le"), (codecs.BOM_UTF32_BE, "utf-32-be"),
     (codecs.BOM_UTF16_LE, "utf-16-le"), (codecs.BOM_UTF16_BE, "utf-16-be"),
@@ -77,7 +80,7 @@ def parse_numbers(path, rows, numbers, dtype=float) -> np.ndarray:
     """
     fields = b" ".join(rows).split()
     values = numbers_of(fields, dtype)
-    if values is None or (dtype is float and not np.isfinite(values).all()):
+    if values is None or (dtype is float and not (np.abs(values) <= LARGEST).all()):
         _blame(path, rows, numbers, dtype)
     return values
 
@@ -105,6 +108,6 @@ def _blame(path, rows, numbers, dtype):
                 raise InputError(f"{path}: line {number}: {word[:40]!r} is not {kind}; correct the line") from None
             if not np.isfinite(float(value)):
                 raise InputError(f"{path}: line {number}: {word!r} is not finite; remove the point or correct it")
-            if dtype is int and abs(value) >= 2**63:
+            if abs(value) > (LARGEST if dtype is float else 2**63 - 1):
                 raise InputError(f"{path}: line {number}: {word} is too large a number; correct the line")
     raise InputError(f"{path}: a number is not as it should be; export the file again")

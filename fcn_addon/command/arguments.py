@@ -53,7 +53,11 @@ def parser(prog) -> argparse.ArgumentParser:
     scene.add_argument("--hidden", action="store_true", help="take what is hidden or excluded too")
     out = made.add_argument_group("what to write")
     out.add_argument("--out", metavar="FILE.blend", help="the result as Blender collections")
-    out.add_argument("--curves", metavar="FILE.obj", help="the completed network as polylines")
+    out.add_argument(
+        "--curves", metavar="FILE", help=(
+            "the completed network: .obj polylines; .dxf a block for each template; .svg the main plane of it"
+        ),
+    )  # fmt: skip
     out.add_argument("--report", metavar="FILE.json", help="all that was found, see docs/report.md")
     out.add_argument("--figure", metavar="FILE.png", help="four pictures: input, completed, components, templates")
     out.add_argument(
@@ -69,7 +73,7 @@ def parser(prog) -> argparse.ArgumentParser:
     length.add_argument("--surface", metavar="SCAN", help="that scan; only its mean edge length is taken")
     made.add_argument(
         "--weld", type=_weld, default=WELD, metavar="W",
-        help=f"ends of curves this near to another curve are on it [edge lengths, default {WELD:g}; 0: equal points]",
+        help=f"ends this near to another curve are on it [edge lengths, default {WELD:g}; 0: only equal points]",
     )  # fmt: skip
     _add_detection(made.add_argument_group("feature curves of a scan, see docs/detection.md"))
     _add_parameters(made.add_argument_group("parameters of the method, with the names of the paper"), Parameters)

@@ -9,10 +9,11 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from ...core.errors import Cancelled, InputError
+from ...core.files.dxf import require_ezdxf
 from ...core.files.formats import is_blenders, mean_edge_length, read_surface
 from ...core.files.reading import concatenate
 from .. import installation, scans
-from ..coarse import is_coarse_estimate
+from ..coarse import coarse_spread
 from . import arguments, inputs, writing
 from .figure import figure
 from .outputs import Outputs
@@ -95,10 +96,12 @@ def _detect(parts, parameters, kinds, terminal):
 def _wanted(options) -> dict:
     """Output name -> path, after what each needs was looked for."""
     wanted = {name: getattr(options, name) for name in ("out", "curves", "report", "figure") if getattr(options, name)}
-    endings = {"out": ".blend", "curves": ".obj", "report": ".json"}
+    endings = {"out": (".blend",), "curves": writing.CURVE_FILES, "report": (".json",)}
     for name, path in wanted.items():
-        if name in endings and Path(path).suffix.lower() != endings[name]:
-            raise InputError(f"{path}: --{name} writes a {endings[name]} file; end the name so")
+        if name in endings and Path(path).suffix.lower() not in endings[name]:
+            raise InputError(f"{path}: --{name} writes a {' or '.join(endings[name])} file; end the name so")
+    if any(Path(path).suffix.lower() == ".dxf" for path in (*options.input, *wanted.values())):
+        require_ezdxf()
     for path in (*options.input, *([wanted["out"]] if "out" in wanted else [])):
         if is_blenders(path):
             installation.require_blender(path)
@@ -130,13 +133,14 @@ def _origin(options, reading):
         return "as given"
     if reading.edge_length:
         return "mean edge of the scan"
-    words = "estimated from the curves; --edge-length or --surface set it"
-    if is_coarse_estimate(reading.curves):
-        words += (
-            "; a coarse estimate: the segments are of very different lengths, as those of drawings are, and it takes "
-            "their median for the edges of a scan"
+    spread = None if reading.crossings else coarse_spread(reading.curves)
+    if spread is not None:
+        return (
+            "coarse: the middle of segments that are {:.3g} to {:.3g} long; --edge-length or --surface set it".format(
+                *spread
+            )
         )
-    return words
+    return "estimated from the curves; --edge-length or --surface set it"
 
 
 def _complete(curves, edge_length, parameters, terminal):

@@ -10,9 +10,12 @@ from pathlib import Path
 from ...core.detection.report import detection_report, settings, summary
 from ...core.detection.values import KINDS
 from ...core.files.reading import concatenate
-from .. import installation
+from .. import colours, installation
 from ..wording import duration
 from .figure import figure
+
+CURVE_FILES = (".obj", ".dxf", ".svg")
+"""What --curves can write."""
 
 
 def described(detected, parameters, kinds):
@@ -59,21 +62,43 @@ def _row(detected):
 
 
 def _write_detected_curves(detected, path):
-    """All curves as polylines, an object for each kind."""
-    from ...core.files.obj import write_obj
-
+    """All curves: polylines with an object for each kind, or a plan with a layer for each."""
     curves = concatenate([d.reading for d in detected]).curves
     rows = [(KINDS[kind], i) for i, kind in enumerate(kind for d in detected for kind in d.found.kind)]
     rows.sort()
     order = [i for _, i in rows]
-    write_obj(path, [curves.curve(i) for i in order], curves.closed[order], [kind for kind, _ in rows])
+    if _suffix(path) == ".obj":
+        from ...core.files.obj import write_obj
+
+        write_obj(path, [curves.curve(i) for i in order], curves.closed[order], [kind for kind, _ in rows])
+        return
+    from ...core.files.plan import Plan, Stroke
+
+    layers = {kind: colour for kind, colour in zip(KINDS, colours.KINDS) if kind in {kind for kind, _ in rows}}
+    strokes = tuple((kind, Stroke(curves.curve(i), bool(curves.closed[i]))) for kind, i in rows)
+    _write_plan(Plan(layers, (), strokes), path)
+
+
+def _write_plan(plan, path):
+    if _suffix(path) == ".dxf":
+        from ...core.files.dxf_writing import write_dxf
+
+        write_dxf(path, plan)
+    else:
+        from ...core.files.svg import write_svg
+
+        write_svg(path, plan)
+
+
+def _suffix(path) -> str:
+    return Path(path).suffix.lower()
 
 
 def write(completion, document, reading, wanted, outputs, name, shift=None):
     """Everything that is asked for of a completed network."""
     began = time.perf_counter()
     if "curves" in wanted:
-        _write_curves(document, outputs.part(wanted["curves"]))
+        _write_curves(completion, document, outputs.part(wanted["curves"]))
     if "figure" in wanted:
         figure().draw(document, reading.curves, outputs.part(wanted["figure"]))
     if "out" in wanted:
@@ -85,7 +110,12 @@ def write(completion, document, reading, wanted, outputs, name, shift=None):
         Path(outputs.part(wanted["report"])).write_text(json.dumps(document), encoding="utf-8")
 
 
-def _write_curves(document, path):
+def _write_curves(completion, document, path):
+    if _suffix(path) != ".obj":
+        from ...core.files.plan import plan_of
+
+        _write_plan(plan_of(completion, {"template": colours.TEMPLATE, "strong": colours.STRONG}), path)
+        return
     from ...core.files.obj import write_obj
 
     curves = document["curves"]

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ...core.matching.strong import strong_curves
 from ...core.network.building import build_network
 from ...core.network.edge_length import estimate_edge_length
-from ..coarse import is_coarse_estimate
+from ..coarse import coarse_spread
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ def summarise(curves, edge_length, parameters, objects=1, again=False) -> Summar
     network = build_network(curves, edge_length=unit, smoothing=parameters.smoothing)
     strong = strong_curves(network, l0=parameters.l0, strong_curvature=parameters.strong_curvature)
     seconds = rough_seconds(len(network.points), float(network.lengths[strong].sum()))
-    coarse = not edge_length and is_coarse_estimate(curves)
+    coarse = not edge_length and coarse_spread(curves) is not None
     return Summary(objects, len(curves), len(network.points), unit, len(strong), seconds, again, coarse)
 
 

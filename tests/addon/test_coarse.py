@@ -43,13 +43,14 @@ def test_what_is_no_rounding(step):
 
 
 def test_the_estimate_of_an_edge_length(part):
-    coarse, make = part("fcn_addon.coarse").is_coarse_estimate, part("core.values").Curves.from_list
+    coarse, make = part("fcn_addon.coarse").coarse_spread, part("core.values").Curves.from_list
     along = np.cumsum(np.random.default_rng(0).gamma(8, 0.05 / 8, 200))
     scanned = [np.c_[along, np.sin(along), 0 * along]] * 3
     window = np.array([(0, 0, 0), (1, 0, 0), (1, 0, 1.5), (0, 0, 1.5)], float)
     arc = np.c_[np.cos(np.linspace(0, 3, 12)), np.zeros(12), np.sin(np.linspace(0, 3, 12))] / 3
-    assert not coarse(make(scanned, [False] * 3))
-    assert coarse(make([window, arc, arc], [True, False, False]))
+    assert coarse(make(scanned, [False] * 3)) is None
+    shortest, longest = coarse(make([window, arc, arc], [True, False, False]))
+    assert shortest == pytest.approx(2 / 3 * np.sin(3 / 22)) and longest == pytest.approx(1, rel=0.5)
 
 
 def test_the_command_says_it(part, bpy, capsys, bumps, tmp_path):

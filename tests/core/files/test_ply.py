@@ -51,6 +51,12 @@ def test_edges_are_a_graph(kind, file):
 
 
 @pytest.mark.parametrize("kind", FORMATS)
+def test_elements_of_no_row(kind, file):
+    data = ply(kind, edges=[(0, 1)]).replace(b"property float area\n", b"")
+    assert len(read_curves([file(data)]).curves) == 1 and len(read_surface(file(data))[1]) == 0
+
+
+@pytest.mark.parametrize("kind", FORMATS)
 def test_curvature_is_the_strength(kind, file):
     read = read_curves([file(ply(kind, edges=[(2, 1), (1, 0)], curvature=[1, -2.5, 3, 4, 5]))]).curves
     assert read.strength.tolist() == [3, 2.5, 1]
@@ -117,3 +123,78 @@ def test_a_surface_without_faces(file):
         mean_edge_length(*read_surface(file(ply("ascii"))))
     with pytest.raises(InputError, match="face 0: index 9"):
         read_surface(file(ply("ascii", faces=[(0, 1, 9)])))
+
+
+def header(*lines):
+    return "\n".join(["ply", "format ascii 1.0", *lines, "end_header\n"]).encode()
+
+
+VERTICES = ("element vertex 4", "property float x", "property float y", "property float z")
+FACES = ("element face 2", "property list uchar int vertex_indices")
+BODY = b"0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3\n"
+
+
+@pytest.mark.parametrize("end", [b"\n", b"\r\n", b"\r"])
+@pytest.mark.parametrize(
+    "data",
+    [
+        header(*VERTICES, *FACES) + BODY,
+        header(*VERTICES, *FACES) + BODY.replace(b"\n", b" "),  # rows that are not lines
+        header(*VERTICES, *FACES) + BODY.replace(b" ", b"\n"),
+        header("comment a", "obj_info b", *VERTICES, *FACES) + BODY.replace(b"3 0 1", b"comment x 1\n3 0 1"),
+        header(*VERTICES, *FACES) + b"comment first\n" + BODY,
+        header(*(line.replace(" x", " X").replace("vertex", "Vertex") for line in VERTICES), *FACES) + BODY,
+        header(*VERTICES, *(line.replace("indices", "index") for line in FACES)) + BODY,
+        header(*VERTICES, "property uchar red", *FACES) + BODY.replace(b" 0\n", b" 0 255\n"),
+        header(*VERTICES, "property float x", *FACES) + BODY.replace(b" 0\n", b" 0 9\n"),  # there twice
+        header(*VERTICES, "element tristrips 1", "property list int int vertex_indices") + BODY[:24] + b"4 0 1 3 2",
+        header(*VERTICES, "element empty 5", *FACES) + BODY,
+    ],
+)  # fmt: skip
+def test_what_writers_really_write(data, end, file):
+    points, triangles = read_surface(file(data.replace(b"\n", end)))
+    a, b, c = (points[triangles[:, i]] for i in range(3))
+    assert np.cross(b - a, c - a).tolist() == [[0, 0, 1]] * 2
+    assert len(points) == 4
+
+
+def test_strips_with_breaks_run_the_same_way(file):
+    head = header(*VERTICES, "element tristrips 1", "property list int int vertex_indices")
+    points, triangles = read_surface(file(head + BODY[:24] + b"8 0 1 3 2 -1 0 1 2"))
+    assert triangles.tolist() == [[0, 1, 3], [1, 2, 3], [0, 1, 2]]
+
+
+def test_a_point_that_no_face_has_may_be_anything(file):
+    body = BODY.replace(b"1 1 0", b"nan nan nan").replace(b"3 0 1 2\n3 0 2 3", b"3 0 1 3\n3 1 0 3")
+    points, triangles = read_surface(file(header(*VERTICES, *FACES) + body))
+    assert points.tolist() == [[0, 0, 0], [1, 0, 0], [0, 1, 0]] and triangles.tolist() == [[0, 1, 2], [1, 0, 2]]
+    with pytest.raises(InputError, match="vertex 2"):
+        read_surface(file(header(*VERTICES, *FACES) + BODY.replace(b"1 1 0", b"nan nan nan")))
+
+
+@pytest.mark.parametrize(
+    ("head", "message"),
+    [
+        (("element vertex -3", *VERTICES[1:]), "line 3: 'element vertex -3' is not PLY"),
+        (("element vertex 99999999999999999999", *VERTICES[1:]), "line 3"),
+        (("element vertex 9999999999", *VERTICES[1:], *FACES), "cut off, it has 6 of 9999999999 rows of `vertex`"),
+        ((*VERTICES, "element face 2", "property list float int vertex_indices"), "line 8"),
+        ((*VERTICES, "element face 2", "property list uchar int corners"), "`face` has no vertex_indices"),
+        ((*VERTICES, *VERTICES), "line 7: 'element vertex 4' is not PLY"),
+        ((*VERTICES, "propertee float q"), "line 7"),
+        (("element vertex 4", "property list uchar float x", *VERTICES[2:], *FACES), "cut off|is a list where one"),
+    ],
+)  # fmt: skip
+def test_a_header_that_lies_is_refused(head, message, file):
+    with pytest.raises(InputError, match=message):
+        read_surface(file(header(*head) + BODY))
+
+
+def test_lists_that_are_no_lists_are_refused(file):
+    with pytest.raises(InputError, match="`vertex_indices` of `face` is one number"):
+        read_surface(file(header(*VERTICES, "element face 2", "property int vertex_indices") + BODY[:24] + b"0 1"))
+    for body, message in ((BODY.replace(b"3 0 1 2", b"-3 0 1 2"), "face 0: -3 is no length"),
+                          (BODY.replace(b"3 0 1 2", b"3 0 1.5 2"), "1.5 is no index"),
+                          (BODY.replace(b"3 0 1 2", b"3 0 x 2"), "'x' in the body is not a number")):  # fmt: skip
+        with pytest.raises(InputError, match=message):
+            read_surface(file(header(*VERTICES, *FACES) + body))
