@@ -110,12 +110,12 @@ def _why_no_curves(found) -> str:
     return text.format(name=name, reason=reason)
 
 
-def read_surface(item, depsgraph, *, quiet=False):
+def read_surface(item, depsgraph):
     """Points (n, 3) float64 and triangles (m, 3) int64 of all faces that an object shows.
 
     Raises InputError where it shows none, or a coordinate that is not finite.
     """
-    found = read([item], depsgraph, quiet=quiet)
+    found = read([item], depsgraph)
     if found.surfaces:
         return found.surfaces[0]
     text = rpt_("object {name!r} has no faces; choose a scan, or complete its curves directly")
