@@ -24,6 +24,8 @@ from ..scene import importers, origin
 from ..scene.libraries import require_libraries
 from ..shifts import moved_completion, moved_curves, shift_for
 
+GEOMETRY = {*reader.CURVE_TYPES, "MESH", "SURFACE", "META"}
+
 
 @dataclass(frozen=True)
 class Choice:
@@ -94,6 +96,7 @@ def _of_scene(path, choice):
         own = _own_results()
         chosen = list(bpy.context.scene.objects)
         skipped = LeftOut(tuple((item.name, left_out.OWN) for item in chosen if item in own))
+        skipped += LeftOut(tuple((item.name, left_out.ELSEWHERE) for item in _elsewhere()))
         chosen = [item for item in chosen if item not in own]
     chosen = list(dict.fromkeys(chosen))
     if choice.hidden or named:
@@ -122,6 +125,13 @@ def _own_results() -> set:
     """The objects of results that this program has made."""
     roots = {c for c in bpy.data.collections if any(ROLE in child for child in c.children)}
     return {item for root in roots for item in root.all_objects}
+
+
+def _elsewhere() -> list:
+    """Objects with geometry of other scenes than the one that is open."""
+    here = set(bpy.context.scene.objects)
+    others = (item for scene in bpy.data.scenes for item in scene.objects if item not in here)
+    return list(dict.fromkeys(item for item in others if item.data is not None and item.type in GEOMETRY))
 
 
 def _named(items, what, name):

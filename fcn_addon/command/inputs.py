@@ -57,6 +57,19 @@ def _read_scene(path, options, say):
     return blend_file.read(path, choice, say)
 
 
+def surface(path):
+    """Points (n, 3) float64 and triangles (m, 3) int64 of a file with faces, of a scene those of its first scan."""
+    if not formats.is_blenders(path):
+        return formats.read_surface(path)
+    from . import blend_file
+
+    found, _, _ = blend_file.read(path)
+    scan = next((part for part in found if isinstance(part, Scan)), None)
+    if scan is None:
+        raise InputError(f"{path}: it has curves, and no scan is taken; give a file with the scan alone")
+    return scan.points, scan.triangles
+
+
 def each(items, work, say) -> list:
     """What `work` makes of each item; one without curves is passed over and named.
 

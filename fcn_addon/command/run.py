@@ -10,7 +10,7 @@ from pathlib import Path
 
 from ...core.errors import Cancelled, InputError
 from ...core.files.dxf import require_ezdxf
-from ...core.files.formats import is_blenders, mean_edge_length, read_surface
+from ...core.files.formats import is_blenders, mean_edge_length
 from ...core.files.reading import concatenate
 from .. import installation, scans
 from ..coarse import coarse_spread
@@ -102,8 +102,8 @@ def _wanted(options) -> dict:
             raise InputError(f"{path}: --{name} writes a {' or '.join(endings[name])} file; end the name so")
     if any(Path(path).suffix.lower() == ".dxf" for path in (*options.input, *wanted.values())):
         require_ezdxf()
-    for path in (*options.input, *([wanted["out"]] if "out" in wanted else [])):
-        if is_blenders(path):
+    for path in (*options.input, options.surface, wanted.get("out")):
+        if path and is_blenders(path):
             installation.require_blender(path)
     if "figure" in wanted:
         figure()
@@ -114,7 +114,7 @@ def _edge_length(options, reading):
     from ...core.network.edge_length import estimate_edge_length
 
     if options.surface:
-        return mean_edge_length(*read_surface(options.surface))
+        return mean_edge_length(*inputs.surface(options.surface))
     known = options.edge_length or reading.edge_length
     return known or estimate_edge_length(reading.curves, crossings=reading.crossings)
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 HIDDEN = "hidden"
 OWN = "result of an earlier run"
+ELSEWHERE = "in another scene"
 SCAN = "mesh with faces"
 TEXT = "text"
 VOLUME = "volume"
@@ -20,6 +21,7 @@ FACES = "faces beside loose edges"
 REMEDIES = {
     HIDDEN: "--hidden takes what is hidden",
     OWN: "--object takes a part of a result",
+    ELSEWHERE: "--object takes an object of another scene",
     TEXT: "convert text to curves to take it",
     SCAN: "name a scan with --object to detect its curves",
     LOOSE: "--take-edges takes loose edges",

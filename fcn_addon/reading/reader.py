@@ -77,6 +77,7 @@ def read(objects, depsgraph, *, take_edges=False, quiet=False) -> SceneReading:
             owner += [part.owner] * reading.count
         gave.add(part.owner)
     rows = [(objects[i].name, extra[i]) for i in sorted(extra)]
+    rows += [(objects[i].name, reason) for i, reason in sorted(found.refused) if i in gave]
     for i, item in enumerate(objects):
         if i not in gave and i not in extra:
             rows.append((item.name, reasons.get(i) or _reason(item, i in found.seen)))

@@ -187,6 +187,37 @@ def test_broken_files_are_refused_in_one_line(fcn, tmp_path, ending, content):
     assert (code, said.count("\n")) == (2, 1) and said.startswith(f"error: {path}: ")
 
 
+def test_objects_of_other_scenes_are_counted_and_can_be_named(bpy, scene, take, tmp_path):
+    other = bpy.data.scenes.new("Other")
+    other.collection.objects.link(bpy.data.objects["Wire"].copy())
+    path = save(bpy, tmp_path / "a.blend")
+    (reading,), skipped, _ = take(path)
+    assert reading.count == 1 and skipped["in another scene"] == ["Wire.001"]
+    assert take(path, objects=("Wire.001",))[0][0].count == 1
+
+
+def test_text_in_an_instance_is_counted_beside_its_curves(bpy, scene, take, tmp_path):
+    home = bpy.data.collections.new("Home")
+    home.objects.link(bpy.data.objects["Wire"])
+    text = bpy.data.curves.new("Text", "FONT")
+    text.body = "Hi"
+    home.objects.link(bpy.data.objects.new("Text", text))
+    item = bpy.data.objects.new("Instance", None)
+    item.instance_type, item.instance_collection = "COLLECTION", home
+    scene.collection.objects.link(item)
+    (reading,), skipped, _ = take(save(bpy, tmp_path / "a.blend"))
+    assert reading.count == 2 and skipped["text"] == ["Instance"]
+
+
+def test_the_edge_length_of_a_scan_in_a_scene(bpy, scene, fcn, tmp_path):
+    for name in ("Wire", "Old"):
+        bpy.data.objects.remove(bpy.data.objects[name])
+    path = save(bpy, tmp_path / "scan.blend")
+    (tmp_path / "in.obj").write_text("v 0 0 0\nv 90 0 0\nl 1 2\n")
+    code, said = fcn(tmp_path / "in.obj", "--surface", path, "--l0", "5000")
+    assert code == 2 and f"edge length {(2 + 3 + 13**0.5) / 3:.4g} (mean edge of scan.blend)" in said
+
+
 def test_the_report_names_what_is_left_out(bpy, scene, fcn, tmp_path):
     path = save(bpy, tmp_path / "a.blend")
     code, said = fcn(path, "--object", "Scan", "--detect-only", "--boundary", "--min-length", "0", "--report",
