@@ -43,6 +43,8 @@ def test_with_blenders_module_a_blend_file_is_written(tmp_path, arcs):
         (["no.obj"], [], "error: no.obj: no such file; check the path\n"),
         (["no.obj", "--out", "r.blend"], ["bpy"], "error: a .blend file needs Blender: use `blender -b -P run.py"),
         (["no.blend"], ["bpy"], "error: a .blend file needs Blender"),
+        (["no.dxf"], ["ezdxf"], "error: DXF needs ezdxf: `pip install ezdxf` for the Python that runs this"),
+        (["no.obj", "--curves", "r.dxf"], ["ezdxf"], "error: DXF needs ezdxf"),
         (["no.obj", "--figure", "r.png"], ["matplotlib"], "error: --figure needs matplotlib: `pip install matplotlib`"),
         (["no.obj"], ["numpy"], "error: numpy is missing: `pip install numpy scipy` gets both\n"),
     ],
