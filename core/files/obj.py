@@ -51,8 +51,10 @@ def read_obj(path) -> Reading:
 def obj_content(path) -> tuple[bool, bool]:
     """Whether the file has faces, and whether it has lines or faces of two corners, which are edges."""
     data = load_text(path)
-    face = re.search(rb"^[ \t]*f[ \t]+\S+[ \t]+\S+(?:[ \t]+[^\s\\#]|[ \t]*\\\s*$)", data, re.MULTILINE) is not None
-    line = re.search(rb"^[ \t]*(?:l[ \t]|f[ \t]+[^\s#]+[ \t]+[^\s#\\]+[ \t]*\r?$)", data, re.MULTILINE) is not None
+    if b"\\" in data or b"\r" in data:
+        data = b"\n".join(_continued(data))
+    face = re.search(rb"^[ \t]*f(?:[ \t]+[^\s#]+){3}", data, re.MULTILINE) is not None
+    line = re.search(rb"^[ \t]*(?:l[ \t]|f(?:[ \t]+[^\s#]+){2}[ \t]*(?:#|$))", data, re.MULTILINE) is not None
     return face, line
 
 

@@ -101,7 +101,8 @@ def _used(path, points, index, strength):
     used[index] = True
     wrong = np.flatnonzero(bad & used)
     if len(wrong):
-        raise InputError(f"{path}: vertex {wrong[0]}: {points[wrong[0]]} is not finite or too large; remove the point or correct it")
+        at = f"{path}: vertex {wrong[0]}: {points[wrong[0]]}"
+        raise InputError(f"{at} is not finite or too large; remove the point or correct it")
     if strength is not None:
         wrong = np.flatnonzero(~(strength <= LARGEST) & used)
         if len(wrong):

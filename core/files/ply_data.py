@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 import warnings
+from array import array
 from dataclasses import dataclass
 from struct import Struct
 
@@ -184,7 +185,7 @@ class _Ascii:
 
     def _walk(self, element):
         """Where the values of each property of each row begin, and how many there are."""
-        starts, counts, at, size = [], [], self._at, len(self._values)
+        starts, counts, at, size = array("q"), array("q"), self._at, len(self._values)
         lists = [bool(p.length) for p in element.properties]
         values = self._values
         for row in range(element.count):
@@ -201,7 +202,7 @@ class _Ascii:
                 counts.append(count)
                 at += count
         self._at = at
-        return np.array(starts, np.int64), np.array(counts, np.int64)
+        return np.frombuffer(starts, np.int64), np.frombuffer(counts, np.int64)
 
 
 class _Binary:
@@ -269,7 +270,7 @@ class _Binary:
             (Struct(self._order + _CODES[p.length]) if p.length else None, np.dtype(p.kind).itemsize)
             for p in element.properties
         ]
-        starts, counts, at, size = [], [], self._at, len(self._body)
+        starts, counts, at, size = array("q"), array("q"), self._at, len(self._body)
         for row in range(element.count):
             for code, item in kinds:
                 count = 1
@@ -284,7 +285,7 @@ class _Binary:
                 counts.append(count)
                 at += count * item
         self._at = at
-        return np.array(starts, np.int64), np.array(counts, np.int64)
+        return np.frombuffer(starts, np.int64), np.frombuffer(counts, np.int64)
 
 
 def _empty(p: Property):
