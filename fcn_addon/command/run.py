@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 
 from ...core.errors import Cancelled, InputError
-from ...core.files.dxf import require_ezdxf
 from ...core.files.formats import mean_edge_length, read_surface
+from ...core.files.readers.dxf import require_ezdxf
 from ...core.files.reading import concatenate
 from .. import installation, scans
 from . import arguments, inputs, writing

@@ -63,11 +63,11 @@ def _write_detected_curves(detected, path):
     rows.sort()
     order = [i for _, i in rows]
     if _suffix(path) == ".obj":
-        from ...core.files.obj import write_obj
+        from ...core.files.writers.obj import write_obj
 
         write_obj(path, [curves.curve(i) for i in order], curves.closed[order], [kind for kind, _ in rows])
         return
-    from ...core.files.plan import Plan, Stroke
+    from ...core.files.writers.plan import Plan, Stroke
 
     layers = {kind: colour for kind, colour in zip(KINDS, colours.KINDS) if kind in {kind for kind, _ in rows}}
     strokes = tuple((kind, Stroke(curves.curve(i), bool(curves.closed[i]))) for kind, i in rows)
@@ -76,11 +76,11 @@ def _write_detected_curves(detected, path):
 
 def _write_plan(plan, path):
     if _suffix(path) == ".dxf":
-        from ...core.files.dxf_writing import write_dxf
+        from ...core.files.writers.dxf import write_dxf
 
         write_dxf(path, plan)
     else:
-        from ...core.files.svg import write_svg
+        from ...core.files.writers.svg import write_svg
 
         write_svg(path, plan)
 
@@ -107,11 +107,11 @@ def write(completion, document, reading, wanted, outputs, name):
 
 def _write_curves(completion, document, path):
     if _suffix(path) != ".obj":
-        from ...core.files.plan import plan_of
+        from ...core.files.writers.plan import plan_of
 
         _write_plan(plan_of(completion, {"template": colours.TEMPLATE, "strong": colours.STRONG}), path)
         return
-    from ...core.files.obj import write_obj
+    from ...core.files.writers.obj import write_obj
 
     curves = document["curves"]
     groups = [

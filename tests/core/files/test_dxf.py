@@ -10,11 +10,11 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from core.errors import InputError, NoCurves
-from core.files.dxf import read_dxf
-from core.files.dxf_writing import write_dxf
 from core.files.formats import read_curves
-from core.files.plan import Plan, Stroke, Symbol, main_plane
-from core.files.svg import write_svg
+from core.files.readers.dxf import read_dxf
+from core.files.writers.dxf import write_dxf
+from core.files.writers.plan import Plan, Stroke, Symbol, main_plane
+from core.files.writers.svg import write_svg
 
 ezdxf = pytest.importorskip("ezdxf")
 

@@ -6,7 +6,7 @@ import pytest
 
 from core.errors import InputError
 from core.files.formats import Content, content, mean_edge_length, read_curves, read_surface
-from core.files.obj import write_obj
+from core.files.writers.obj import write_obj
 
 SQUARE = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
 

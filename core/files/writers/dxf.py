@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .dxf import require_ezdxf
+from ..readers.dxf import require_ezdxf
 from .plan import Plan, Stroke
 
 METRES = 6

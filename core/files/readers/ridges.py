@@ -16,11 +16,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..detection import KINDS
-from ..errors import InputError, NoCurves
+from ...detection import KINDS
+from ...errors import InputError, NoCurves
+from ..reading import Reading, lines_of_points
+from ..text import load_lines, numbers_of, parse_numbers
 from .polylines import are_polylines, polylines_of_rows
-from .reading import Reading, lines_of_points
-from .text import load_lines, numbers_of, parse_numbers
 
 TYPES = (1, 2, 3, 4, 5, 6)
 CONVEX = (4, 5, 6)

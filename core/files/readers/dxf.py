@@ -8,9 +8,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..errors import InputError, NoCurves
-from .reading import Reading, lines_of_points
-from .text import LARGEST, load
+from ...errors import InputError, NoCurves
+from ..reading import Reading, lines_of_points
+from ..text import LARGEST, load
 
 CURVES = ("LINE", "POLYLINE", "LWPOLYLINE", "SPLINE", "ARC", "CIRCLE", "ELLIPSE")
 """Entities that are read; INSERT stands for those of its block."""

@@ -5,9 +5,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..errors import InputError, NoCurves
-from .reading import Reading, lines_of_points
-from .text import load_lines, numbers_of, parse_numbers
+from ...errors import InputError, NoCurves
+from ..reading import Reading, lines_of_points
+from ..text import load_lines, numbers_of, parse_numbers
 
 
 def read_polylines(path) -> Reading:

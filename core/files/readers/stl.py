@@ -5,9 +5,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..errors import InputError
-from ..geometry.rows import distinct_rows
-from .text import MARKS, load, load_lines, parse_numbers
+from ...errors import InputError
+from ...geometry.rows import distinct_rows
+from ..text import MARKS, load, load_lines, parse_numbers
 
 _HEADER = 84
 _FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])

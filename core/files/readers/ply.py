@@ -5,11 +5,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..errors import InputError, NoCurves
-from .ply_data import Lists, read_elements, read_header
-from .polygons import triangles_of_polygons
-from .reading import Reading, lines_of_points
-from .text import LARGEST
+from ...errors import InputError, NoCurves
+from ..polygons import triangles_of_polygons
+from ..reading import Reading, lines_of_points
+from ..text import LARGEST
+from .ply_data import Lists, read_elements
+from .ply_header import read_header
 
 CORNERS = ("vertex_indices", "vertex_index")
 STRIPS = "tristrips"

@@ -3,16 +3,15 @@
 
 from __future__ import annotations
 
-import io
 import re
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..errors import InputError, NoCurves
-from .polygons import triangles_of_polygons
-from .reading import Reading, lines_of_points
-from .text import load_text, parse_numbers
+from ...errors import InputError, NoCurves
+from ..polygons import triangles_of_polygons
+from ..reading import Reading, lines_of_points
+from ..text import load_text, parse_numbers
 
 FREE_FORM = {
     b"curv": ("free-form curves", "convert them to polylines"),
@@ -152,26 +151,3 @@ def _indices(path, parts, count):
             f"{path}: line {numbers[statement]}: index {shown} has no point, the file has {count}; was it cut off?"
         )
     return index, np.r_[0, np.cumsum(lengths)].astype(np.int64)
-
-
-def write_obj(path, polylines, closed, groups=None):
-    """Write polylines as `v` and `l` lines, with all digits; a closed one repeats its first index.
-
-    Parameters
-    ----------
-    polylines : sequence of (k, 3) float64
-    closed : sequence of bool
-    groups : sequence of str or None, the object name of each; curves of one name must be consecutive
-    """
-    text, base, last = io.StringIO(), 1, None
-    for i, (points, loop) in enumerate(zip(polylines, closed)):
-        if groups is not None and groups[i] != last:
-            last = groups[i]
-            text.write(f"o {last}\n")
-        for x, y, z in np.asarray(points, float).tolist():
-            text.write(f"v {x:.17g} {y:.17g} {z:.17g}\n")
-        index = list(range(base, base + len(points))) + ([base] if loop else [])
-        text.write("l " + " ".join(map(str, index)) + "\n")
-        base += len(points)
-    with open(path, "w", encoding="ascii", newline="\n") as file:
-        file.write(text.getvalue())
