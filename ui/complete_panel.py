@@ -49,6 +49,8 @@ def _draw_source(layout, settings):
     layout.prop(settings, "source", expand=True)
     if settings.source == "COLLECTION":
         layout.prop(settings, "collection", text=" ")
+        layout.prop(settings, "use_hidden")
+    layout.prop(settings, "take_edges")
     layout.prop(settings, "edge_length_from")
     if settings.edge_length_from == "SCAN":
         layout.prop(settings, "scan", text=" ")
@@ -82,6 +84,11 @@ def _draw_summary(box, context):
         iface_("About {time}").format(time=duration(found.seconds)),
     ):
         column.label(text=text, icon="BLANK1", translate=False)
+    if found.coarse:
+        column.label(text="The edge length is a coarse estimate: type it in", icon="INFO")
+    if found.left_out:
+        text = iface_("Left out: {objects}").format(objects=found.left_out)
+        column.label(text=text, icon="INFO", translate=False)
 
 
 def _draw_run(layout, run):

@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import InputError
-from .glb import read_glb_surface
 from .readers.dxf import read_dxf
 from .readers.obj import obj_content, read_obj, read_obj_surface
 from .readers.ply import ply_content, read_ply, read_ply_surface
@@ -48,7 +47,6 @@ FORMATS = (
         read_ply_surface, read_ply, ply_content,
     ),
     Format((".stl",), "facets, binary or ascii, all solids of the file", "", read_stl_surface),
-    Format((".glb",), "triangles", "", read_glb_surface),
     Format(
         (".dxf",), "",
         "LINE, POLYLINE, LWPOLYLINE, SPLINE, ARC, CIRCLE, ELLIPSE, and INSERT of blocks of these", None, read_dxf,
@@ -61,7 +59,13 @@ FORMATS = (
     ),
 )  # fmt: skip
 
-BLENDER = Format((".blend",), "meshes with faces", "edge meshes and curve objects")
+BLENDER = (
+    Format((".blend",), "what is shown with faces", "what is shown of edges, curves and Grease Pencil"),
+    Format(
+        (".glb", ".gltf", ".fbx", ".usd", ".usda", ".usdc", ".usdz", ".abc", ".dae"), "faces",
+        "lines and curves; through Blender's importers",
+    ),
+)  # fmt: skip
 """What only Blender reads; the command line does that."""
 
 
@@ -75,7 +79,12 @@ class Content:
 
 def endings(what=None) -> list[str]:
     """The endings of files that may hold a "surface" or "curves", all if None; sorted."""
-    return sorted(e for f in (*FORMATS, BLENDER) if what is None or getattr(f, what) for e in f.endings)
+    return sorted(e for f in (*FORMATS, *BLENDER) if what is None or getattr(f, what) for e in f.endings)
+
+
+def is_blenders(path) -> bool:
+    """Whether a file is one that only Blender reads."""
+    return any(Path(path).suffix.lower() in form.endings for form in BLENDER)
 
 
 def format_of(path) -> Format | None:
@@ -131,7 +140,7 @@ def _reader(path, name, what):
 def table() -> str:
     """README's table of what is read."""
     rows = ["| file | scan: its feature curves are detected first | curves |", "|---|---|---|"]
-    for form in (*FORMATS, BLENDER):
+    for form in (*FORMATS, *BLENDER):
         names = ", ".join(f"`{ending}`" for ending in form.endings)
         rows.append(f"| {names} | {form.surface} | {form.curves} |".replace("  ", " "))
     return "\n".join(rows) + "\n"

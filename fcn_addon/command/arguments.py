@@ -43,13 +43,14 @@ def parser(prog) -> argparse.ArgumentParser:
     made = _Parser(prog=prog, description=DESCRIPTION, epilog=EXIT_CODES, allow_abbrev=False)
     made.add_argument("input", nargs="+", metavar="INPUT", help=INPUTS)
     scene = made.add_argument_group(
-        "what to read from a .blend (default: all edge meshes and curves of its scene, else its scans)"
+        "what to take of a .blend or another scene (default: all curves that it shows, else its scans)"
     )
     scene.add_argument("--object", action="append", default=[], metavar="NAME", help="an object; may be repeated")
     scene.add_argument(
         "--collection", action="append", default=[], metavar="NAME",
         help="a collection with those inside it; may be repeated",
     )  # fmt: skip
+    scene.add_argument("--hidden", action="store_true", help="take what is hidden or excluded too")
     out = made.add_argument_group("what to write")
     out.add_argument("--out", metavar="FILE.blend", help="the result as Blender collections")
     out.add_argument(
@@ -87,7 +88,9 @@ def _add_detection(group):
             help=f"{words} [{'on' if default else 'off'} by default]",
         )  # fmt: skip
     group.add_argument(
-        "--take-edges", action="store_true", help="of a file with faces and edges take the edges as curves"
+        "--take-edges",
+        action="store_true",
+        help="of a file with faces and edges take the edges as curves, of a mesh with faces its loose edges",
     )
     _add_parameters(group, DetectionParameters)
 

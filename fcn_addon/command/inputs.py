@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
 from ...core.errors import InputError, NoCurves
@@ -10,23 +11,50 @@ from ...core.files import formats
 from ..scans import Scan
 
 
-def is_blend(path) -> bool:
-    return Path(path).suffix.lower() == ".blend"
+@dataclass(frozen=True)
+class Inputs:
+    """parts : a Reading, not joined, or a Scan for each of what the inputs hold, in their order
+
+    left_out : rows of the report
+    shift : (3,), where the origin of the first scene lies, None where no input is a scene
+    """
+
+    parts: list
+    left_out: list
+    shift: object = None
 
 
-def read(options, say) -> list:
-    """A Reading, not joined, or a Scan for each of what the inputs hold, in their order.
+def read(options, say) -> Inputs:
+    """What the inputs hold.
 
     Parameters
     ----------
     options : of the command line
     say : called with a line where of two things one is taken, or something is left out
     """
-    if (options.object or options.collection) and not any(is_blend(path) for path in options.input):
-        raise InputError("--object and --collection choose from a .blend file; give one, or leave them out")
-    found = [part for parts in each(options.input, lambda path: _parts(path, options, say), say) for part in parts]
+    for name in ("object", "collection", "hidden"):
+        if getattr(options, name) and not any(map(formats.is_blenders, options.input)):
+            raise InputError(f"--{name} chooses from a .blend file or another scene; give one, or leave it out")
+    rows, shifts = [], []
+
+    def parts(path):
+        if not formats.is_blenders(path):
+            return [_read(path, options.take_edges, say)]
+        found, skipped, shift = _read_scene(path, options, say)
+        shifts.append(shift)
+        rows.extend({"file": str(path), **row} for row in skipped.rows())
+        return found
+
+    found = [part for every in each(options.input, parts, say) for part in every]
     _check(options, found)
-    return found
+    return Inputs(found, rows, shifts[0] if shifts else None)
+
+
+def _read_scene(path, options, say):
+    from . import blend_file
+
+    choice = blend_file.Choice(tuple(options.object), tuple(options.collection), options.hidden, options.take_edges)
+    return blend_file.read(path, choice, say)
 
 
 def each(items, work, say) -> list:
@@ -45,14 +73,6 @@ def each(items, work, say) -> list:
     for error in empty:
         say(f"passed over: {error}")
     return made
-
-
-def _parts(path, options, say):
-    if not is_blend(path):
-        return [_read(path, options.take_edges, say)]
-    from . import blend_file
-
-    return blend_file.read(path, options.object, options.collection, say)
 
 
 def _read(path, take_edges, say):

@@ -6,24 +6,20 @@ from __future__ import annotations
 import signal
 import time
 from contextlib import contextmanager
-from importlib.util import find_spec
 from pathlib import Path
 
-import numpy as np
-
 from ...core.errors import Cancelled, InputError
-from ...core.files.formats import mean_edge_length, read_surface
+from ...core.files.formats import is_blenders, mean_edge_length, read_surface
 from ...core.files.readers.dxf import require_ezdxf
 from ...core.files.reading import concatenate
 from .. import installation, scans
+from ..coarse import coarse_spread
 from . import arguments, inputs, writing
 from .figure import figure
 from .outputs import Outputs
 from .terminal import Terminal
 
 DONE, WRONG, STOPPED = 0, 2, 130
-COARSE = 4.0
-"""Lengths of segments that differ by more are no lengths of edges of a scan, but of lines that were drawn."""
 
 
 def main(argv, prog="run.py") -> int:
@@ -52,13 +48,13 @@ def _run(options, terminal):
     sources = [*options.input, *([options.surface] if options.surface else [])]
     with Outputs(wanted.values(), sources) as outputs:
         began = time.perf_counter()
-        parts = inputs.read(options, terminal.say)
+        given = inputs.read(options, terminal.say)
         seconds = {"read": time.perf_counter() - began}
         began = time.perf_counter()
-        parts, detected = _detect(parts, detection, kinds, terminal)
+        parts, detected = _detect(given.parts, detection, kinds, terminal)
         seconds["detect"] = time.perf_counter() - began
         if options.detect_only:
-            said = writing.write_detected(detected, detection, kinds, seconds, wanted, outputs, _name(options))
+            said = writing.write_detected(detected, detection, kinds, seconds, wanted, outputs, _name(options), given)
         else:
             reading = concatenate(parts)
             edge_length = _edge_length(options, reading)
@@ -66,13 +62,13 @@ def _run(options, terminal):
             if len(detected) < len(parts):  # detected curves meet where they meet
                 reading = _joined(reading, options.weld * edge_length)
             terminal.say(
-                f"{reading.count} curves, {len(reading.curves.points)} points, edge length {edge_length:.4g} "
-                f"({origin})"
+                f"{reading.count} curves, {len(reading.curves.points)} points, edge length {edge_length:.4g} ({origin})"
             )
             completion = _complete(reading.curves, edge_length, parameters, terminal)
             document = _report(completion, reading, parameters, seconds)
+            document["left_out"] = given.left_out
             document["detection"] = writing.described(detected, detection, kinds)
-            writing.write(completion, document, reading, wanted, outputs, _name(options))
+            writing.write(completion, document, reading, wanted, outputs, _name(options), given.shift)
             said = writing.summary_line(document)
     terminal.say(said + writing.written(wanted))
 
@@ -89,6 +85,8 @@ def _detect(parts, parameters, kinds, terminal):
             f"{part.name}: {len(found.found)} feature curves on {found.faces} faces, "
             f"edge length {found.edge_length:.4g}, smoothed by {found.found.detail:.2g} of it"
         )
+        for remark in found.remarks:
+            terminal.say(f"{part.name}: {remark}")
         detected.append(found)
         return found.reading
 
@@ -104,10 +102,9 @@ def _wanted(options) -> dict:
             raise InputError(f"{path}: --{name} writes a {' or '.join(endings[name])} file; end the name so")
     if any(Path(path).suffix.lower() == ".dxf" for path in (*options.input, *wanted.values())):
         require_ezdxf()
-    if ("out" in wanted or any(inputs.is_blend(path) for path in options.input)) and find_spec("bpy") is None:
-        raise InputError(
-            "a .blend file needs Blender: use `blender -b -P run.py -- …`, or `pip install bpy` for this Python"
-        )
+    for path in (*options.input, *([wanted["out"]] if "out" in wanted else [])):
+        if is_blenders(path):
+            installation.require_blender(path)
     if "figure" in wanted:
         figure()
     return wanted
@@ -136,21 +133,14 @@ def _origin(options, reading):
         return "as given"
     if reading.edge_length:
         return "mean edge of the scan"
-    shortest, longest = _spread(reading)
-    if not reading.crossings and longest > COARSE * shortest:
+    spread = None if reading.crossings else coarse_spread(reading.curves)
+    if spread is not None:
         return (
-            f"coarse: the middle of segments that are {shortest:.3g} to {longest:.3g} long; "
-            "--edge-length or --surface set it"
+            "coarse: the middle of segments that are {:.3g} to {:.3g} long; --edge-length or --surface set it".format(
+                *spread
+            )
         )
     return "estimated from the curves; --edge-length or --surface set it"
-
-
-def _spread(reading):
-    """Lengths of which nearly all segments are: a tenth is shorter, a tenth longer."""
-    from ...core.geometry.polylines import segments
-
-    _, steps = segments(reading.curves)
-    return np.quantile(steps[steps > 0], (0.1, 0.9)).tolist()
 
 
 def _complete(curves, edge_length, parameters, terminal):

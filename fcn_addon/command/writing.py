@@ -22,10 +22,11 @@ def described(detected, parameters, kinds):
     """What the report of a completed network says of detection, None where nothing was detected."""
     if not detected:
         return None
-    return {"scans": [summary(*_row(d)) for d in detected], "parameters": settings(parameters, kinds)}
+    scans = [{**summary(*_row(d)), "remarks": list(d.remarks)} for d in detected]
+    return {"scans": scans, "parameters": settings(parameters, kinds)}
 
 
-def write_detected(detected, parameters, kinds, seconds, wanted, outputs, name) -> str:
+def write_detected(detected, parameters, kinds, seconds, wanted, outputs, name, given) -> str:
     """Write the curves of all scans to what is asked for; a line about them.
 
     Parameters
@@ -33,6 +34,7 @@ def write_detected(detected, parameters, kinds, seconds, wanted, outputs, name) 
     detected : list of Detected
     wanted : name of an output -> its path
     outputs : Outputs, which has the temporary name of each path
+    given : Inputs that they come from
     """
     began = time.perf_counter()
     if "curves" in wanted:
@@ -42,11 +44,14 @@ def write_detected(detected, parameters, kinds, seconds, wanted, outputs, name) 
     if "out" in wanted:
         from . import blend_file
 
-        blend_file.write_detected(detected, outputs.part(wanted["out"]), name)
+        blend_file.write_detected(detected, outputs.part(wanted["out"]), name, given.shift)
     seconds["write"] = time.perf_counter() - began
     if "report" in wanted:
         rows = [_row(d) for d in detected]
         document = detection_report(rows, parameters, kinds, version=installation.version(), seconds=seconds)
+        document["left_out"] = given.left_out
+        for row, d in zip(document["scans"], detected):
+            row["remarks"] = list(d.remarks)
         Path(outputs.part(wanted["report"])).write_text(json.dumps(document), encoding="utf-8")
     count = sum(len(d.found) for d in detected)
     return f"{count} feature curves; {duration(sum(seconds.values()))}"
@@ -89,7 +94,7 @@ def _suffix(path) -> str:
     return Path(path).suffix.lower()
 
 
-def write(completion, document, reading, wanted, outputs, name):
+def write(completion, document, reading, wanted, outputs, name, shift=None):
     """Everything that is asked for of a completed network."""
     began = time.perf_counter()
     if "curves" in wanted:
@@ -99,7 +104,7 @@ def write(completion, document, reading, wanted, outputs, name):
     if "out" in wanted:
         from . import blend_file
 
-        blend_file.write(completion, reading.curves, outputs.part(wanted["out"]), name)
+        blend_file.write(completion, reading.curves, outputs.part(wanted["out"]), name, shift)
     document["seconds"]["write"] = time.perf_counter() - began
     if "report" in wanted:
         Path(outputs.part(wanted["report"])).write_text(json.dumps(document), encoding="utf-8")

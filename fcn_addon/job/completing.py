@@ -16,11 +16,13 @@ from ...core.parameters import Parameters
 from .. import progress
 from ..installation import require_scipy
 from ..properties.settings import parameters
+from ..reading import reader
+from ..reading.left_out import LeftOut
+from ..reading.visibility import shown
 from ..result import stored, views, writer
-from ..scene import reader
+from ..scene import origin
 from ..scene.identity import Identity
 from ..scene.units import unit_length
-from ..scene.visibility import shown
 from . import chosen
 from .estimate import summarise
 from .session import RunKind
@@ -33,6 +35,7 @@ class Task:
     owner : (reading.count,) int64, which of `sources` each input curve comes from
     edge_length : scene units, None to estimate it
     replace : remove the earlier result of the same curves
+    left_out : what of the chosen objects is not taken
     """
 
     label: str
@@ -43,12 +46,14 @@ class Task:
     edge_length: float | None
     parameters: Parameters
     replace: bool
+    left_out: LeftOut = LeftOut()
 
 
 def take(context, hidden=True) -> Task:
     """Read what the settings choose. Raises InputError where that cannot be used.
 
-    hidden : evaluate hidden objects too, for which they are shown for a moment; otherwise they are read as they were
+    hidden : evaluate hidden objects too, for which they are shown for a moment, and draw curves as Blender does;
+        otherwise nothing in Blender is touched
     """
     why = chosen.why_not(context)
     if why:
@@ -56,17 +61,20 @@ def take(context, hidden=True) -> Task:
     objects = chosen.chosen(context)
     with shown(context, objects if hidden else ()):
         depsgraph = context.evaluated_depsgraph_get()
-        read = reader.read_objects(objects, depsgraph)
+        read = reader.read_curves(objects, depsgraph, take_edges=context.scene.fcn.take_edges, quiet=not hidden)
         unit = chosen.edge_length(context, depsgraph) or read.reading.edge_length
+    gave = np.unique(read.owner)
+    objects = [objects[i] for i in gave]
     return Task(
         chosen.label(context, objects),
         Identity.of(context.scene),
         tuple(Identity.of(item) for item in objects),
         read.reading,
-        read.owner,
+        np.searchsorted(gave, read.owner),
         unit,
         parameters(context.scene.fcn.parameters),
         context.scene.fcn.earlier == "REPLACE",
+        chosen.hidden(context) + read.left_out,
     )
 
 
@@ -102,6 +110,7 @@ def finish(context, task, completion):
     root = writer.write(completion, task.reading.curves, source=task.label, scene=scene, length=length)
     try:
         stored.describe(root, completion, task, length)
+        origin.keep(root, origin.of(scene))
         views.refresh(root)
     except BaseException:
         stored.remove(root)

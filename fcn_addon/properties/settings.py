@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import fields
 
 import bpy
-from bpy.props import EnumProperty, FloatProperty, PointerProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, PointerProperty
 from bpy.types import PropertyGroup
 
 from ...core.parameters import EDGES, Parameters
@@ -64,7 +64,7 @@ def set_parameters(group, values):
 
 
 def _has_faces(_, item):
-    return item.type == "MESH" and len(item.data.polygons) > 0
+    return item.type == "MESH" and (len(item.data.polygons) > 0 or len(item.modifiers) > 0)
 
 
 def _is_result_here(settings, item):
@@ -88,6 +88,16 @@ class FCN_PG_settings(PropertyGroup):
         name="Collection",
         description="The collection that holds the curves",
         poll=lambda _, item: not item.fcn_result.is_result,
+        update=changes.update,
+    )
+    use_hidden: BoolProperty(
+        name="Hidden Objects",
+        description="Take objects of the collection that are hidden too",
+        update=changes.update,
+    )
+    take_edges: BoolProperty(
+        name="Loose Edges",
+        description="Take the loose edges of meshes that have faces too as curves. Without it such a mesh is a scan",
         update=changes.update,
     )
     edge_length_from: EnumProperty(

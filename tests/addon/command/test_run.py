@@ -21,18 +21,6 @@ def folder(tmp_path, monkeypatch, arcs):
     return tmp_path
 
 
-@pytest.fixture
-def fcn(bpy, part, capsys):
-    """Run the command; exit code and what went to stderr."""
-    main = part("fcn_addon.command.run").main
-
-    def run(*arguments):
-        code = main([str(a) for a in arguments])
-        return code, capsys.readouterr().err
-
-    return run
-
-
 def test_everything_it_can_write(folder, fcn, bpy):
     pytest.importorskip("matplotlib")
     names = ["--out", "r.blend", "--curves", "r.obj", "--report", "r.json", "--figure", "r.png"]
@@ -99,7 +87,7 @@ CASES = [
     (["garbage.ply"], "garbage.ply: no PLY header"),
     (["garbage.txt"], "garbage.txt: this is binary data"),
     (["nan.obj"], "nan.obj: line 2: 'nan' is not finite"),
-    (["in.xyz"], "a .xyz file cannot be read; give one of .blend, .cgal, .dxf, .glb, .obj"),
+    (["in.xyz"], "a .xyz file cannot be read; give one of .abc, .blend, .cgal, .dae, .dxf, .fbx, .glb"),
     (["in.obj", "--l0", "x"], "--l0: 'x' is not a number"),
     (["in.obj", "--l0", "1"], "l0 is 1.0: give a number of at least 4 (edge lengths)"),
     (["in.obj", "--l0", "nan"], "l0 is nan"),
@@ -110,7 +98,7 @@ CASES = [
     (["in.obj", "--edge-length", "1", "--surface", "in.obj"], "not allowed with"),
     (["in.obj", "--surface", "in.obj"], "in.obj: no faces"),
     (["in.obj", "--bogus"], "unrecognized arguments: --bogus"),
-    (["in.obj", "--object", "X"], "choose from a .blend"),
+    (["in.obj", "--object", "X"], "chooses from a .blend"),
     (["in.obj", "--out", "r.obj"], "r.obj: --out writes a .blend file"),
     (["in.obj", "--report", "no/r.json"], "no/r.json: cannot be written (No such file or directory)"),
     (["in.obj", "--report", "dir.json"], "dir.json: cannot be written, it is a folder"),
@@ -141,7 +129,7 @@ def test_names_that_a_blend_file_does_not_have(folder, fcn, bpy):
     for arguments, message in [
         (["--object", "Q"], "a.blend: no object 'Q'"),
         (["--collection", "Q"], "a.blend: no collection 'Q'"),
-        ([], "a.blend: no edge mesh or curve object in its scene, nor a scan"),
+        ([], "a.blend: the scene shows no curves and no faces"),
     ]:
         code, said = fcn("a.blend", *arguments)
         assert (code, said.count("\n")) == (2, 1) and message in said

@@ -399,7 +399,7 @@ def test_hidden_sources_are_evaluated_for_a_run(bpy, part, wall):
     bpy.context.scene.collection.children.link(collection)
     collection.objects.link(wall)
     settings = bpy.context.scene.fcn
-    settings.source, settings.collection = "COLLECTION", collection
+    settings.source, settings.collection, settings.use_hidden = "COLLECTION", collection, True
     wall.hide_set(True)
     bpy.context.view_layer.update()
     assert part("fcn_addon.job.completing").take(bpy.context).reading.count == 12
