@@ -79,11 +79,11 @@ def _write_detected_curves(detected, path):
     _write_plan(Plan(layers, (), strokes), path)
 
 
-def _write_plan(plan, path):
+def _write_plan(plan, path, units=0):
     if _suffix(path) == ".dxf":
-        from ...core.files.writers.dxf import write_dxf
+        from ...core.files.writers.dxf import METRES, write_dxf
 
-        write_dxf(path, plan)
+        write_dxf(path, plan, units=units or METRES)
     else:
         from ...core.files.writers.svg import write_svg
 
@@ -98,7 +98,7 @@ def write(completion, document, reading, wanted, outputs, name, shift=None):
     """Everything that is asked for of a completed network."""
     began = time.perf_counter()
     if "curves" in wanted:
-        _write_curves(completion, document, outputs.part(wanted["curves"]))
+        _write_curves(completion, document, reading.units, outputs.part(wanted["curves"]))
     if "figure" in wanted:
         figure().draw(document, reading.curves, outputs.part(wanted["figure"]))
     if "out" in wanted:
@@ -110,11 +110,11 @@ def write(completion, document, reading, wanted, outputs, name, shift=None):
         Path(outputs.part(wanted["report"])).write_text(json.dumps(document), encoding="utf-8")
 
 
-def _write_curves(completion, document, path):
+def _write_curves(completion, document, units, path):
     if _suffix(path) != ".obj":
         from ...core.files.writers.plan import plan_of
 
-        _write_plan(plan_of(completion, {"template": colours.TEMPLATE, "strong": colours.STRONG}), path)
+        _write_plan(plan_of(completion, {"template": colours.TEMPLATE, "strong": colours.STRONG}), path, units)
         return
     from ...core.files.writers.obj import write_obj
 

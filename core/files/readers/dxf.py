@@ -65,7 +65,7 @@ def read_dxf(path) -> Reading:
         raise InputError(f"{path}: {points[wrong[0]]} is not finite or too large; remove the point from the drawing")
     offsets = np.r_[0, np.cumsum([len(line) for line in lines])]
     reading = lines_of_points(path, points, np.arange(len(points)), offsets, named=np.zeros(len(lines), bool))
-    return replace(reading, left_out=told)
+    return replace(reading, left_out=told, units=int(drawing.units))
 
 
 def _open(path):

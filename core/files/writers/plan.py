@@ -59,7 +59,9 @@ def main_plane(points) -> np.ndarray:
 
     Where the main plane is level, up is the second main axis.
     """
-    _, _, main = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)
+    centred = np.zeros((max(len(points), 3), 3))
+    centred[: len(points)] = points - points.mean(axis=0)
+    _, _, main = np.linalg.svd(centred, full_matrices=False)
     normal = main[2]
     up = np.array([0.0, 0.0, 1.0]) - normal[2] * normal
     up = main[1] if np.linalg.norm(up) < 0.3 else up / np.linalg.norm(up)

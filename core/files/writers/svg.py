@@ -25,6 +25,8 @@ def write_svg(path, plan: Plan, *, width=1200):
     width : of the picture, pixels; its coordinates are scene units about its middle
     """
     placed = plan.placed()
+    if not len(placed):
+        placed = np.zeros((1, 3))
     axes = main_plane(placed)
     middle = (placed.min(axis=0) + placed.max(axis=0)) / 2
     flat = _flat(placed - middle, axes)

@@ -348,13 +348,13 @@ def test_weld_says_how_near_ends_are_one(folder, fcn):
 
 def test_a_drawing_in_and_a_drawing_out(folder, fcn):
     ezdxf = pytest.importorskip("ezdxf")
-    document = ezdxf.new()
+    document = ezdxf.new(units=4)
     for a, b in window_row().tolist():
         document.modelspace().add_line(a, b)
     document.saveas(folder / "in.dxf")
     assert fcn("in.dxf", "--edge-length", "0.2", "--report", "r.json", "--curves", "r.dxf", "--quiet") == (0, "")
     made = ezdxf.readfile(folder / "r.dxf")
-    assert not made.audit().errors
+    assert not made.audit().errors and made.units == 4
     assert len(made.modelspace().query("INSERT")) == sum(places(folder / "r.json")) == 6
     assert fcn("in.dxf", "--edge-length", "0.2", "--curves", "r.svg", "--quiet") == (0, "")
     assert (folder / "r.svg").read_text().count("<use ") == 6
