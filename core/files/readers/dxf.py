@@ -78,7 +78,7 @@ def _open(path):
         raise InputError(f"{path}: this is a DWG file; save it as DXF")
     if not binary and b"\0" in data[:65536]:
         raise InputError(f"{path}: this is binary data, not a DXF file; check the file's format and its ending")
-    if b"EOF" not in data[-256:]:
+    if b"EOF" not in data.rstrip()[-256:]:
         raise InputError(f"{path}: this is no DXF file or it was cut off, it has no EOF at its end; save it again")
     try:
         try:

@@ -16,7 +16,7 @@ from struct import Struct
 import numpy as np
 
 from ...errors import InputError
-from ..text import load
+from ..text import load, without_mark
 from .ply_header import INTEGERS, Property, check_counts, cut_off, parse_header
 
 
@@ -30,7 +30,7 @@ class Lists:
 
 def read_elements(path) -> dict:
     """Element name -> property name -> (n,) array, or Lists."""
-    data = load(path)
+    data = without_mark(load(path))
     order, elements, begin = parse_header(path, data)
     body = memoryview(data)[begin:]
     check_counts(path, elements, order, len(body))

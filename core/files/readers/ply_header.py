@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...errors import InputError
-from ..text import load
+from ..text import load, without_mark
 
 _TYPES = {
     "char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4", "float": "f4",
@@ -47,7 +47,7 @@ class Element:
 
 def read_header(path) -> list[Element]:
     """The elements that the header names, in their order."""
-    return parse_header(path, load(path))[1]
+    return parse_header(path, without_mark(load(path)))[1]
 
 
 def parse_header(path, data):

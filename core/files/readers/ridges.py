@@ -30,7 +30,9 @@ CONVEX = (4, 5, 6)
 def read_text(path) -> Reading:
     """The lines of a .txt file: of Ridges_3, of CrestCODE or CGAL's polylines, told apart by their first rows."""
     lines = load_lines(path)
-    numbers = [n for n, line in enumerate(lines, 1) if line.strip()]
+    numbers = [n for n, line in enumerate(lines, 1) if line.strip() and not line.lstrip().startswith(b"#")]
+    if not numbers:
+        raise NoCurves(f"{path}: it holds nothing but comments; export it again")
     rows = [lines[n - 1] for n in numbers]
     words = [row.split() for row in rows[:3]]
     if len(words) == 3 and all(len(row) == 1 and row[0].isdigit() for row in words):
