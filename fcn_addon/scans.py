@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -32,7 +33,7 @@ class Detected:
     name: str
     vertices: int
     faces: int
-    found: object
+    found: Any
     remarks: tuple[str, ...] = ()
 
     @property

@@ -70,8 +70,8 @@ def each(items, work, say) -> list:
             empty.append(error)
     if not made:
         raise empty[0] if len(empty) == 1 else NoCurves(f"no input has curves: {'; '.join(map(str, empty))}")
-    for error in empty:
-        say(f"passed over: {error}")
+    for reason in empty:
+        say(f"passed over: {reason}")
     return made
 
 

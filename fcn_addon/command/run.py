@@ -37,7 +37,7 @@ def main(argv, prog="run.py") -> int:
         terminal.error("stopped, nothing was written")
         return STOPPED
     except SystemExit as stop:  # --help
-        return stop.code or DONE
+        return int(stop.code or DONE)
     return DONE
 
 

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from ..reading import left_out, reader
+from ..reading import left_out, reader, shown
 from ..reading.edge_length import mean_edge_length
 from ..reading.left_out import LeftOut
 from ..result import stored
@@ -68,14 +68,19 @@ def chosen(context) -> list:
     return sorted(dict.fromkeys(_curves(context, objects)), key=lambda item: item.name)
 
 
-def hidden(context) -> LeftOut:
-    """What the chosen collection holds and a run leaves out, as it is hidden."""
+def passed_over(context) -> LeftOut:
+    """What was chosen and is not read: hidden objects of the collection, and text and the like by name."""
     settings = context.scene.fcn
-    if settings.source != "COLLECTION" or settings.collection is None:
+    if settings.source != "COLLECTION":
+        objects, unseen = _selected(context), []
+    elif settings.collection is None:
         return LeftOut()
-    objects = _of_collection(settings.collection)
-    taken = set(_taken(context, objects))
-    rows = [(item.name, left_out.HIDDEN) for item in _curves(context, [o for o in objects if o not in taken])]
+    else:
+        every = _of_collection(settings.collection)
+        objects = _taken(context, every)
+        unseen = _curves(context, [item for item in every if item not in set(objects)])
+    rows = [(item.name, left_out.HIDDEN) for item in unseen]
+    rows += [(item.name, shown.REFUSED[item.type]) for item in objects if item.type in shown.REFUSED]
     return LeftOut(tuple(sorted(rows)))
 
 

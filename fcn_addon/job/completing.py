@@ -62,7 +62,7 @@ def take(context, hidden=True) -> Task:
     with shown(context, objects if hidden else ()):
         depsgraph = context.evaluated_depsgraph_get()
         read = reader.read_curves(objects, depsgraph, take_edges=context.scene.fcn.take_edges, quiet=not hidden)
-        unit = chosen.edge_length(context, depsgraph) or read.reading.edge_length
+        unit = chosen.edge_length(context, depsgraph) or (read.reading and read.reading.edge_length)
     gave = np.unique(read.owner)
     objects = [objects[i] for i in gave]
     return Task(
@@ -74,7 +74,7 @@ def take(context, hidden=True) -> Task:
         unit,
         parameters(context.scene.fcn.parameters),
         context.scene.fcn.earlier == "REPLACE",
-        chosen.hidden(context) + read.left_out,
+        chosen.passed_over(context) + read.left_out,
     )
 
 

@@ -43,7 +43,7 @@ FCN_PG_parameters = type(
     (PropertyGroup,),
     {
         "__doc__": "The parameters of the method, made from `Parameters`.",
-        "__annotations__": from_parameters.annotations(Parameters, LABELS, changes.update),
+        "__annotations__": from_parameters.properties_of(Parameters, LABELS, changes.update),
     },
 )
 

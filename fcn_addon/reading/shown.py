@@ -47,8 +47,8 @@ def look(objects, depsgraph, quiet=False) -> Shown:
     Parameters
     ----------
     objects : of the file, not evaluated
-    quiet : make no scene to draw curves in, so that nothing in Blender is touched; curves are as coarse then as their
-        control points, and those that geometry nodes make are missing
+    quiet : touch nothing in Blender, and take hidden objects as they are without modifiers; curves are then as coarse
+        as their control points, and those that geometry nodes make are missing
 
     Raises
     ------
@@ -75,7 +75,12 @@ def look(objects, depsgraph, quiet=False) -> Shown:
             with_curves.add(item.original)
             continue
         matrix = np.array(instance.matrix_world, float)
-        items.append((owner, item.original, matrix, reader.read(instance, matrix)))
+        items.append((owner, item.original, matrix, reader.read(item, matrix)))
+    for owner, item in enumerate(objects) if quiet else ():
+        if item not in order and item.type not in REFUSED:
+            matrix = np.array(item.matrix_world, float)
+            found.seen.add(owner)
+            items.append((owner, item, matrix, reader.read(item.evaluated_get(depsgraph), matrix)))
     for owner, source, matrix, pieces in items:
         if source in with_curves and not quiet:
             pieces = [*pieces, *reader.of_nodes(source)]
@@ -97,9 +102,8 @@ class _Reader:
         self._quiet = quiet
         self._known = {}
 
-    def read(self, instance, world) -> list:
+    def read(self, item, world) -> list:
         """Pieces of an item of the depsgraph: geometry, a matrix of its own or None, whether it is beside faces."""
-        item = instance.object
         if item.type == "GREASEPENCIL" and (self._quiet or not pencil.is_curved(item.data)):
             return [(lines, matrix, False) for lines, matrix in pencil.read_new(item.data, world)]
         key = item.type, item.original, item.data.as_pointer() if item.data else 0
