@@ -137,9 +137,7 @@ def _quality(points, ring, i) -> float:
     sides = np.linalg.norm([b - a, c - b, a - c], axis=1)
     least = area * sides.min() / sides.prod()  # area / (product of the two longer sides)
     others = points[ring]
-    inside = (
-        (_cross(b - a, others - a) >= 0) & (_cross(c - b, others - b) >= 0) & (_cross(a - c, others - c) >= -FLAT)
-    )
+    inside = (_cross(b - a, others - a) >= 0) & (_cross(c - b, others - b) >= 0) & (_cross(a - c, others - c) >= -FLAT)
     if inside.sum() > 3:
         for corner in (a, b, c):
             inside &= (others != corner).any(axis=1)
