@@ -159,7 +159,8 @@ def _delaunay(points, triangles) -> np.ndarray:
             if len(sides) != 2 or len(edge) != 2:
                 continue
             (one, c), (other, d) = sides
-            if one in flipped or other in flipped or not _is_bad(points, *edge, c, d):
+            first, second = edge
+            if one in flipped or other in flipped or not _is_bad(points, first, second, c, d):
                 continue
             a, b = triangles[one][triangles[one].index(c) - 2], triangles[one][triangles[one].index(c) - 1]
             new = [c, a, d], [d, b, c]

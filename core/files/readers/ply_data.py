@@ -34,10 +34,7 @@ def read_elements(path) -> dict:
     order, elements, begin = parse_header(path, data)
     body = memoryview(data)[begin:]
     check_counts(path, elements, order, len(body))
-    if order is None:
-        read = _Ascii(path, data[begin:])
-    else:
-        read = _Binary(path, body, order)
+    read: _Ascii | _Binary = _Ascii(path, data[begin:]) if order is None else _Binary(path, body, order)
     found = {element.name: read.element(element) if element.properties else {} for element in elements}
     read.check_end()
     return found
