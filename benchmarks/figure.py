@@ -8,7 +8,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
-from ..core.files.plan import main_plane
+from ..core.files.writers.plan import main_plane
 from ..fcn_addon import colours
 
 INPUT = (0.15, 0.15, 0.15)

@@ -8,10 +8,10 @@ from dataclasses import asdict
 import numpy as np
 
 from .parameters import Parameters
+from .stages import STAGES
 from .values import Completion, Curves, InputClasses
 
 SCHEMA = "fcn-report/1"
-STAGES = ("blast", "voting", "clustering", "orbits", "selection", "completion")
 
 
 def report(
@@ -94,6 +94,7 @@ def _transformation(t) -> dict:
         "extent": np.asarray(t.extent).astype(int).tolist(),
         "log_bayes_factor": float(t.log_bayes_factor),
         "support": float(t.support),
+        "e_value": float(t.e_value),
     }
 
 

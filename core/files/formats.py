@@ -10,13 +10,13 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import InputError
-from .dxf import read_dxf
-from .obj import obj_content, read_obj, read_obj_surface
-from .ply import ply_content, read_ply, read_ply_surface
-from .polylines import read_polylines
+from .readers.dxf import read_dxf
+from .readers.obj import obj_content, read_obj, read_obj_surface
+from .readers.ply import ply_content, read_ply, read_ply_surface
+from .readers.polylines import read_polylines
+from .readers.ridges import read_text
+from .readers.stl import read_stl_surface
 from .reading import WELD, Reading, concatenate
-from .ridges import read_text
-from .stl import read_stl_surface
 
 
 @dataclass(frozen=True)

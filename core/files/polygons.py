@@ -5,11 +5,16 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..errors import InputError
+
 FLAT = 1e-9
 """Twice the area of a triangle that is none, as a share of the square of its polygon's extent."""
 
 LONGEST_FAN = 8
 """Corners of a polygon that a fan may have: about one corner of many the triangles are slivers."""
+
+MOST_CORNERS = 20_000
+"""Corners of a polygon; the time grows with their square, to a minute for these."""
 
 
 def triangles_of_polygons(points, index, offsets) -> np.ndarray:
@@ -25,21 +30,26 @@ def triangles_of_polygons(points, index, offsets) -> np.ndarray:
     index : (k,) int64, corners of all polygons; polygon i is ``index[offsets[i]:offsets[i + 1]]``
     offsets : (p + 1,) int64
 
+    Raises InputError for a polygon of more than `MOST_CORNERS` corners.
+
     Notes
     -----
     O(k) for fans; O(c^2) for a polygon of c corners that needs ears.
     """
     fan, of = _fans(index, offsets)
-    normal = _normals(points, index, offsets)
-    a, b, c = (points[fan[:, i]] for i in range(3))
-    area = (np.cross(b - a, c - a) * normal[of]).sum(axis=1)
-    extent = np.zeros(len(offsets) - 1)
-    np.maximum.at(extent, of, np.maximum(((b - a) ** 2).sum(axis=1), ((c - a) ** 2).sum(axis=1)))
-    bad = np.zeros(len(offsets) - 1, bool)
-    bad[of[area <= FLAT * extent[of]]] = True
-    bad = (bad & (np.diff(offsets) > 3)) | (np.diff(offsets) > LONGEST_FAN)
+    large = np.diff(offsets) > 3
+    bad = np.zeros(len(large), bool)
+    if large.any():
+        corners = index[np.repeat(large, np.diff(offsets))]
+        begin = np.r_[0, np.cumsum(np.diff(offsets)[large])]
+        normal = np.zeros((len(large), 3))
+        normal[large] = _normals(points, corners, begin)
+        bad[large] = _bad_fans(points, fan[large[of]], np.cumsum(large)[of[large[of]]] - 1, normal[large])
+        bad |= np.diff(offsets) > LONGEST_FAN
     if not bad.any():
         return fan
+    if np.diff(offsets).max() > MOST_CORNERS:
+        raise InputError(f"a polygon of {np.diff(offsets).max()} corners; triangulate the mesh and export it again")
     parts, whose = [fan[~bad[of]]], [of[~bad[of]]]
     for i in np.flatnonzero(bad):
         corners = index[offsets[i] : offsets[i + 1]]
@@ -57,6 +67,17 @@ def _fans(index, offsets):
     step = np.arange(len(first)) - np.repeat(np.cumsum(count) - count, count) + 1
     fan = np.stack([index[first], index[first + step], index[first + step + 1]], axis=1)
     return fan, np.repeat(np.arange(len(count)), count)
+
+
+def _bad_fans(points, fan, of, normal) -> np.ndarray:
+    """(p,) bool, the polygons in whose fan a triangle has no area or faces away from the normal."""
+    a, b, c = (points[fan[:, i]] for i in range(3))
+    area = (np.cross(b - a, c - a) * normal[of]).sum(axis=1)
+    extent = np.zeros(len(normal))
+    np.maximum.at(extent, of, np.maximum(((b - a) ** 2).sum(axis=1), ((c - a) ** 2).sum(axis=1)))
+    bad = np.zeros(len(normal), bool)
+    bad[of[area <= FLAT * extent[of]]] = True
+    return bad
 
 
 def _normals(points, index, offsets) -> np.ndarray:
@@ -116,9 +137,7 @@ def _quality(points, ring, i) -> float:
     sides = np.linalg.norm([b - a, c - b, a - c], axis=1)
     least = area * sides.min() / sides.prod()  # area / (product of the two longer sides)
     others = points[ring]
-    inside = (
-        (_cross(b - a, others - a) >= 0) & (_cross(c - b, others - b) >= 0) & (_cross(a - c, others - c) >= -FLAT)
-    )
+    inside = (_cross(b - a, others - a) >= 0) & (_cross(c - b, others - b) >= 0) & (_cross(a - c, others - c) >= -FLAT)
     if inside.sum() > 3:
         for corner in (a, b, c):
             inside &= (others != corner).any(axis=1)
@@ -140,7 +159,8 @@ def _delaunay(points, triangles) -> np.ndarray:
             if len(sides) != 2 or len(edge) != 2:
                 continue
             (one, c), (other, d) = sides
-            if one in flipped or other in flipped or not _is_bad(points, *edge, c, d):
+            first, second = edge
+            if one in flipped or other in flipped or not _is_bad(points, first, second, c, d):
                 continue
             a, b = triangles[one][triangles[one].index(c) - 2], triangles[one][triangles[one].index(c) - 1]
             new = [c, a, d], [d, b, c]

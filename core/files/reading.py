@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..errors import NoCurves
+from ..errors import InputError, NoCurves
 from ..geometry.chains import Chains
 from ..values import Curves
 
@@ -37,6 +37,7 @@ class Reading:
     count : how many input curves the files name; some of them may have no length and leave no curve
     crossings : the points lie where the curves cross the edges of a mesh, so that segments are shorter than edges
     edge_length : mean edge length of the mesh that the curves come from, scene units; None where it is not known
+    units : what one unit of the coordinates is, DXF's code: 4 millimetres, 6 metres; 0 where it is not known
     left_out : what of the file is no curve that can be read, in words; empty where all was read
     shares : where curves were joined, what became of each input curve; None where `curves.source` says it all
     """
@@ -47,6 +48,7 @@ class Reading:
     edge_length: float | None = None
     shares: Shares | None = None
     left_out: str = ""
+    units: int = 0
 
 
 def lines_of_points(path, points, index, offsets, *, named, strength=None, kind=None) -> Reading:
@@ -148,7 +150,12 @@ def concatenate(readings) -> Reading:
     )
     lengths = [(r.edge_length, len(r.curves.points)) for r in readings if r.edge_length]
     edge_length = _mean(lengths) if lengths else None
-    return Reading(curves, int(counts[-1]), all(r.crossings for r in readings), edge_length)
+    units = {r.units for r in readings} - {0}
+    if len(units) > 1:
+        names = ", ".join(map(str, sorted(units)))
+        raise InputError(f"the drawings have different units ($INSUNITS {names}); save them in one unit")
+    crossings = all(r.crossings for r in readings)
+    return Reading(curves, int(counts[-1]), crossings, edge_length, units=max(units, default=0))
 
 
 def _mean(pairs) -> float:

@@ -46,17 +46,20 @@ def load_text(path) -> bytes:
 
     Raises InputError where it holds binary data.
     """
-    data = load(path)
-    for mark, name in MARKS:
-        if data.startswith(mark):
-            data = data[len(mark) :]
-            if name != "utf-8":
-                data = data.decode(name, "replace").encode()
-            break
+    data = without_mark(load(path)).rstrip(b"\0\x1a")
     if b"\0" in data[:65536]:
         raise InputError(f"{path}: this is binary data, not text; check the file's format and its ending")
     if not data.strip():
         raise InputError(f"{path}: the file is empty; export it again")
+    return data
+
+
+def without_mark(data) -> bytes:
+    """Bytes of a file without a byte order mark; where that tells of UTF-16 or UTF-32, as UTF-8."""
+    for mark, name in MARKS:
+        if data.startswith(mark):
+            data = data[len(mark) :]
+            return data if name == "utf-8" else data.decode(name, "replace").encode()
     return data
 
 

@@ -9,8 +9,8 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from ...core.errors import Cancelled, InputError
-from ...core.files.dxf import require_ezdxf
 from ...core.files.formats import is_blenders, mean_edge_length
+from ...core.files.readers.dxf import require_ezdxf
 from ...core.files.reading import concatenate
 from .. import installation, scans
 from ..coarse import coarse_spread

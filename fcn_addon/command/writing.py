@@ -68,24 +68,24 @@ def _write_detected_curves(detected, path):
     rows.sort()
     order = [i for _, i in rows]
     if _suffix(path) == ".obj":
-        from ...core.files.obj import write_obj
+        from ...core.files.writers.obj import write_obj
 
         write_obj(path, [curves.curve(i) for i in order], curves.closed[order], [kind for kind, _ in rows])
         return
-    from ...core.files.plan import Plan, Stroke
+    from ...core.files.writers.plan import Plan, Stroke
 
     layers = {kind: colour for kind, colour in zip(KINDS, colours.KINDS) if kind in {kind for kind, _ in rows}}
     strokes = tuple((kind, Stroke(curves.curve(i), bool(curves.closed[i]))) for kind, i in rows)
     _write_plan(Plan(layers, (), strokes), path)
 
 
-def _write_plan(plan, path):
+def _write_plan(plan, path, units=0):
     if _suffix(path) == ".dxf":
-        from ...core.files.dxf_writing import write_dxf
+        from ...core.files.writers.dxf import METRES, write_dxf
 
-        write_dxf(path, plan)
+        write_dxf(path, plan, units=units or METRES)
     else:
-        from ...core.files.svg import write_svg
+        from ...core.files.writers.svg import write_svg
 
         write_svg(path, plan)
 
@@ -98,7 +98,7 @@ def write(completion, document, reading, wanted, outputs, name, shift=None):
     """Everything that is asked for of a completed network."""
     began = time.perf_counter()
     if "curves" in wanted:
-        _write_curves(completion, document, outputs.part(wanted["curves"]))
+        _write_curves(completion, document, reading.units, outputs.part(wanted["curves"]))
     if "figure" in wanted:
         figure().draw(document, reading.curves, outputs.part(wanted["figure"]))
     if "out" in wanted:
@@ -110,13 +110,13 @@ def write(completion, document, reading, wanted, outputs, name, shift=None):
         Path(outputs.part(wanted["report"])).write_text(json.dumps(document), encoding="utf-8")
 
 
-def _write_curves(completion, document, path):
+def _write_curves(completion, document, units, path):
     if _suffix(path) != ".obj":
-        from ...core.files.plan import plan_of
+        from ...core.files.writers.plan import plan_of
 
-        _write_plan(plan_of(completion, {"template": colours.TEMPLATE, "strong": colours.STRONG}), path)
+        _write_plan(plan_of(completion, {"template": colours.TEMPLATE, "strong": colours.STRONG}), path, units)
         return
-    from ...core.files.obj import write_obj
+    from ...core.files.writers.obj import write_obj
 
     curves = document["curves"]
     groups = [

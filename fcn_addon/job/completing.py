@@ -11,7 +11,7 @@ import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from ...core.errors import InputError
-from ...core.files.reading import Reading
+from ...core.files.reading import WELD, Reading
 from ...core.parameters import Parameters
 from .. import progress
 from ..installation import require_scipy
@@ -52,8 +52,8 @@ class Task:
 def take(context, hidden=True) -> Task:
     """Read what the settings choose. Raises InputError where that cannot be used.
 
-    hidden : evaluate hidden objects too, for which they are shown for a moment, and draw curves as Blender does;
-        otherwise nothing in Blender is touched
+    hidden : evaluate hidden objects too, for which they are shown for a moment, draw curves as Blender does, and join
+        them by position, as a run needs it; otherwise nothing in Blender is touched
     """
     why = chosen.why_not(context)
     if why:
@@ -69,13 +69,22 @@ def take(context, hidden=True) -> Task:
         chosen.label(context, objects),
         Identity.of(context.scene),
         tuple(Identity.of(item) for item in objects),
-        read.reading,
+        _joined(read.reading, unit) if hidden else read.reading,
         np.searchsorted(gave, read.owner),
         unit,
         parameters(context.scene.fcn.parameters),
         context.scene.fcn.earlier == "REPLACE",
         chosen.passed_over(context) + read.left_out,
     )
+
+
+def _joined(reading, edge_length) -> Reading:
+    """The curves joined by position, as those of files are; input curves and their order stay."""
+    require_scipy()
+    from ...core.files.joining import join
+    from ...core.network.edge_length import estimate_edge_length
+
+    return join(reading, WELD * (edge_length or estimate_edge_length(reading.curves, crossings=reading.crossings)))
 
 
 def leaving_room(parameters):

@@ -48,6 +48,8 @@ def test_with_blenders_module_a_blend_file_is_written(tmp_path, arcs):
         ),
         (["no.blend"], ["bpy"], "error: no.blend: a .blend file needs Blender"),
         (["no.glb"], ["bpy"], "error: no.glb: a .glb file needs Blender: use `blender -b -P run.py"),
+        (["no.dxf"], ["ezdxf"], "error: DXF needs ezdxf: `pip install ezdxf` for the Python that runs this"),
+        (["no.obj", "--curves", "r.dxf"], ["ezdxf"], "error: DXF needs ezdxf"),
         (["no.obj", "--figure", "r.png"], ["matplotlib"], "error: --figure needs matplotlib: `pip install matplotlib`"),
         (["no.obj"], ["numpy"], "error: numpy is missing: `pip install numpy scipy` gets both\n"),
     ],

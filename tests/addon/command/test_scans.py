@@ -60,6 +60,12 @@ def test_curves_alone_with_their_attributes(folder, fcn, bpy):
     assert {c["kind"] for c in report["curves"]} == {"ridge", "boundary"}
     assert set(report["seconds"]) == {"read", "detect", "write"}
     assert (folder / "d.obj").read_text().count("\nl ") == len(report["curves"]) == report["scans"][0]["curves"]
+    for name in ("d.dxf", "d.svg"):
+        assert fcn("scan.ply", "--detect-only", "--curves", name, "--no-valleys", "--boundary", "--quiet") == (0, "")
+    ezdxf = pytest.importorskip("ezdxf")
+    drawn = ezdxf.readfile(folder / "d.dxf").modelspace()
+    assert len(drawn) == len(report["curves"]) and {e.dxf.layer for e in drawn} == {"ridge", "boundary"}
+    assert (folder / "d.svg").read_text().count("<path ") == len(report["curves"])
     bpy.ops.wm.open_mainfile(filepath=str(folder / "d.blend"))
     (item,) = bpy.context.scene.objects
     mesh = item.data

@@ -455,3 +455,19 @@ def test_ten_thousand_objects_in_time(bpy, part, wall, completion, monkeypatch):
     print(f"10,000 objects: {taken:.2f} s, half of them hidden by support: {hiding:.2f} s")
     # Docs have what they take; these bounds are for busy machines, and find what grows with the square.
     assert taken < 15 and hiding < 8
+
+
+def test_edges_that_share_no_vertex_are_one_curve(bpy, part):
+    """As drawing programs leave them: each edge has vertices of its own."""
+    along = np.linspace(0, 3, 40)
+    line = np.c_[along, np.sin(2 * along), np.cos(3 * along)]
+    pairs = np.stack([line[:-1], line[1:]], axis=1).reshape(-1, 3)
+    mesh = bpy.data.meshes.new("Lines")
+    mesh.from_pydata(pairs.tolist(), [(2 * i, 2 * i + 1) for i in range(39)], [])
+    item = bpy.data.objects.new("Lines", mesh)
+    bpy.context.scene.collection.objects.link(item)
+    item.select_set(True)
+    task = part("fcn_addon.job.completing").take(bpy.context)
+    assert len(task.reading.curves) == 1
+    assert np.allclose(task.reading.curves.points, line, atol=1e-6)
+    assert task.reading.count == len(task.owner) == 39  # input curves stay what they were

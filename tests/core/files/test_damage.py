@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from core.errors import InputError
 from core.files.formats import content, format_of, read_curves, read_surface
-from core.files.obj import write_obj
+from core.files.writers.obj import write_obj
 
 MOST_BYTES = 60_000_000
 """That a file of a few kilobytes may take, ezdxf's own tables included."""

@@ -10,11 +10,12 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from core.errors import InputError, NoCurves
-from core.files.dxf import read_dxf
-from core.files.dxf_writing import write_dxf
 from core.files.formats import read_curves
-from core.files.plan import Plan, Stroke, Symbol, main_plane
-from core.files.svg import write_svg
+from core.files.readers.dxf import read_dxf
+from core.files.reading import concatenate
+from core.files.writers.dxf import write_dxf
+from core.files.writers.plan import Plan, Stroke, Symbol, main_plane
+from core.files.writers.svg import write_svg
 
 ezdxf = pytest.importorskip("ezdxf")
 
@@ -273,3 +274,25 @@ def test_a_symbol_for_each_template_and_a_use_at_each_place(tmp_path, flat):
     sort = lambda points: points[np.lexsort(np.round(points, 3).T)]  # noqa: E731
     size = np.ptp(np.concatenate(wanted), axis=0).max()
     assert np.allclose(sort(np.concatenate(found)), sort(np.concatenate(wanted)), rtol=0, atol=2e-6 * size)
+
+
+def test_a_plan_of_nothing_and_of_one_line(tmp_path):
+    line = Stroke(np.array([[0, 0, 0], [0, 0, 2.0]]), False)
+    for strokes in ((), (("strong", line),)):
+        plan = Plan({"strong": (0.0, 0.0, 0.0)}, (), strokes)
+        write_svg(tmp_path / "a.svg", plan)
+        write_dxf(tmp_path / "a.dxf", plan)
+        assert len(drawn(tmp_path / "a.svg")[2]) == len(strokes)
+        assert len(ezdxf.readfile(tmp_path / "a.dxf").modelspace()) == len(strokes)
+
+
+def test_the_unit_of_a_drawing_is_kept_and_two_are_refused(tmp_path):
+    for name, units in (("mm", 4), ("m", 6), ("none", 0)):
+        document = ezdxf.new(units=units)
+        document.modelspace().add_line((0, 0), (1, 0))
+        document.saveas(tmp_path / f"{name}.dxf")
+    read = {name: read_dxf(tmp_path / f"{name}.dxf") for name in ("mm", "m", "none")}
+    assert [r.units for r in read.values()] == [4, 6, 0]
+    assert concatenate([read["mm"], read["none"]]).units == 4
+    with pytest.raises(InputError, match="different units"):
+        concatenate([read["mm"], read["m"]])

@@ -32,7 +32,7 @@ def test_words_and_readers_go_together():
 
 
 def test_a_file_of_the_wrong_kind_names_those_that_fit(tmp_path):
-    with pytest.raises(InputError, match=r"a surface cannot be read from a .dxf file; give one of .glb, .obj"):
+    with pytest.raises(InputError, match=r"a surface cannot be read from a .dxf file; give one of .obj, .ply"):
         read_surface(tmp_path / "a.dxf")
     with pytest.raises(InputError, match=r"curves cannot be read from a .stl file; give one of .cgal, .dxf, .obj"):
         read_curves([tmp_path / "a.stl"])

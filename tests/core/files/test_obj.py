@@ -6,7 +6,7 @@ import pytest
 
 from core.errors import InputError
 from core.files.formats import Content, content, mean_edge_length, read_curves, read_surface
-from core.files.obj import write_obj
+from core.files.writers.obj import write_obj
 
 SQUARE = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
 
@@ -163,7 +163,10 @@ def test_faces_of_two_corners_are_edges(obj):
     assert curves(path) == [[[0, 0, 0], [1, 0, 0], [1, 1, 0]]]
     assert content(path) == Content(faces=False, curves=True)
     assert content(obj(SQUARE + "f 1 2 3\nf 1 4\n")) == Content(faces=True, curves=True)
-    assert content(obj(SQUARE + "f 1 2 \\\n3\n")) == Content(faces=True, curves=False)
+    for face in ("f 1 2 \\\n3", "f \\\n1 2 3", "f 1 2 3 # three", "  f\t1/1/1 2/2/2 3/3/3", "f 1 2 3\r"):
+        assert content(obj(SQUARE + face + "\n")) == Content(faces=True, curves=False)
+    assert content(obj((SQUARE + "f 1 2 3\nl 1 4\n").replace("\n", "\r"))) == Content(faces=True, curves=True)
+    assert content(obj(SQUARE + "f 1 2 # two\n")) == Content(faces=False, curves=True)
 
 
 def test_single_edges_and_a_longer_line_are_one_network(obj):

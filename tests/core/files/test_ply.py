@@ -158,6 +158,11 @@ def test_what_writers_really_write(data, end, file):
     assert len(points) == 4
 
 
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16"])
+def test_a_mark_before_the_header(file, encoding):
+    assert len(read_surface(file((header(*VERTICES, *FACES) + BODY).decode().encode(encoding)))[1]) == 2
+
+
 def test_strips_with_breaks_run_the_same_way(file):
     head = header(*VERTICES, "element tristrips 1", "property list int int vertex_indices")
     points, triangles = read_surface(file(head + BODY[:24] + b"8 0 1 3 2 -1 0 1 2"))

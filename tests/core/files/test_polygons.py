@@ -4,6 +4,7 @@
 import numpy as np
 import pytest
 
+from core.errors import InputError
 from core.files.polygons import triangles_of_polygons
 
 SHAPES = {
@@ -58,6 +59,12 @@ def test_polygons_that_are_none_end_all_the_same(corners):
     points = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], float)
     triangles = triangles_of_polygons(points, np.array(corners), np.array([0, 4]))
     assert triangles.shape == (2, 3)
+
+
+def test_a_polygon_of_too_many_corners_is_refused():
+    t = np.linspace(0, 6, 30_000)
+    with pytest.raises(InputError, match="a polygon of 30000 corners; triangulate"):
+        triangles_of_polygons(np.column_stack([np.cos(t), np.sin(t), 0 * t]), np.arange(30_000), np.array([0, 30_000]))
 
 
 def test_nothing_gives_nothing():

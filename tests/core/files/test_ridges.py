@@ -40,6 +40,12 @@ def test_cgal_strength_is_an_integral(file):
     assert read.curves.strength == pytest.approx([2, 2, 2, 0.5, 0.5])
 
 
+@pytest.mark.parametrize("end", [b"", b"\x1a", b"\0\0\0\0", b"# the end\n"])
+def test_comments_and_what_fills_a_file_up_are_passed_over(file, end):
+    text = b"# ridges\n3 4 0 0 0 0 1 0 0\n" + end
+    assert read_curves([file(text)]).curves.points.tolist() == [[0, 0, 0], [1, 0, 0]]
+
+
 def test_cgal_curve_of_equal_points_is_counted_and_left_out(file):
     read = read_curves([file("3 1 0 1 1 1 1 1 1\n3 1 0 0 0 0 0 0 1\n")])
     assert (read.count, read.curves.source.tolist()) == (2, [1])

@@ -8,7 +8,7 @@ import pytest
 
 from core.errors import InputError
 from core.files.formats import read_surface
-from core.files.stl import read_stl_surface
+from core.files.readers.stl import read_stl_surface
 
 SQUARE = np.array([[[0, 0, 0], [1, 0, 0], [1, 1, 0]], [[0, 0, 0], [1, 1, 0], [0, 1, 0]]], float)
 
