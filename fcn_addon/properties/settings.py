@@ -18,19 +18,19 @@ from .detection import FCN_PG_detection
 
 LABELS = {
     "l0": "Shortest Match",
+    "short_l0": "Shortest Second Match",
     "s": "Match Distance",
     "t": "Extended Distance",
     "delta_l": "Extension Step",
     "strong_curvature": "Strong Curvature",
-    "bin_translation": "Bin Size",
-    "bin_rotation": "Bin Angle",
-    "cluster_translation": "Cluster Distance",
-    "cluster_rotation": "Cluster Angle",
     "bayes_ratio": "Bayes Ratio",
     "keep_odds": "Keep Odds",
     "smoothing": "Smoothing",
     "link_gap": "Largest Gap",
     "epsilon": "Feature Radius",
+    "thing_margin": "Search Margin",
+    "thing_gap": "Gap Within Things",
+    "significance": "Significance",
     "block": "Block Size",
     "threads": "Threads",
 }
