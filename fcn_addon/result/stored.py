@@ -96,7 +96,7 @@ def describe(root, completion, run, length):
 
     Parameters
     ----------
-    root : Collection that `scene_writer.write` made
+    root : Collection that `writer.write` made
     run : has label, sources, parameters and left_out
     length : turns a length into words
     """
