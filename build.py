@@ -45,9 +45,15 @@ SHA256 = {
     "scipy-1.15.3-cp313-cp313-macosx_10_13_x86_64.whl": (
         "2c620736bcc334782e24d173c0fdbb7590a0a436d2fdf39310a8902505008759"
     ),
+    "ezdxf-1.4.5-py3-none-any.whl": "70a79ec7d40990f60453e3c87ffe9f668907ee061cf6f4c0a3794d032ec2b40e",
+    "fonttools-4.68.0-py3-none-any.whl": "d76f8fdcb6936f5e1045a0c9dd721a4bf11112e60d1e243bfa1d39f06a8b3104",
+    "pyparsing-3.3.3-py3-none-any.whl": "ece8c00a69cf01b45d0b1dedabb469c90d8caf996d4fda40f147627a122849a4",
+    "typing_extensions-4.16.0-py3-none-any.whl": (
+        "481caa481374e813c1b176ada14e97f1f67a4539ce9cfeb3f350d78d6370c2e8"
+    ),
 }
 
-# Blender's platform -> how the last part of a wheel's name begins and ends.
+# Blender's platform -> how the last part of a wheel's name begins and ends. "any" is for all.
 PLATFORMS = {
     "linux-x64": ("manylinux", "x86_64"),
     "windows-x64": ("win", "amd64"),
@@ -102,7 +108,8 @@ def read_manifest(path):
     names = {Path(wheel).name for wheel in manifest["wheels"]}
     need(names == set(SHA256), "wheels must be those in the table of build.py")
     for platform in manifest["platforms"]:
-        need(wheels_for(manifest, platform), f"no wheel for {platform}")
+        own = [wheel for wheel in wheels_for(manifest, platform) if not wheel.endswith("-any.whl")]
+        need(own, f"no wheel for {platform}")
     return manifest
 
 
@@ -110,20 +117,20 @@ def wheels_for(manifest, platform):
     """The manifest's wheels that are for a platform."""
     begin, end = PLATFORMS[platform]
     tags = {wheel: Path(wheel).stem.split("-")[-1] for wheel in manifest["wheels"]}
-    return [wheel for wheel, tag in tags.items() if tag.startswith(begin) and tag.endswith(end)]
+    return [wheel for wheel, tag in tags.items() if tag == "any" or (tag.startswith(begin) and tag.endswith(end))]
 
 
 def fetch(path):
     """Have a wheel in place, with the hash of the table."""
     if path.exists() and digest(path) == SHA256[path.name]:
         return
-    name, version, python, _, platform = path.stem.split("-")
+    name, version, python, abi, platform = path.stem.split("-")  # python is like cp311, or py3
     print(f"fetching {path.name}")
     with tempfile.TemporaryDirectory() as folder:
         command = [
             *(sys.executable, "-m", "pip", "download", "--quiet", "--disable-pip-version-check", "--no-deps"),
-            *("--only-binary=:all:", "--implementation", "cp", "--python-version", python.removeprefix("cp")),
-            *("--platform", platform.split(".")[0], "--dest", folder, f"{name}=={version}"),
+            *("--only-binary=:all:", "--implementation", python[:2], "--python-version", python[2:].ljust(3, "1")),
+            *("--abi", abi, "--platform", platform.split(".")[0], "--dest", folder, f"{name}=={version}"),
         ]
         if subprocess.run(command).returncode:
             raise BuildError(f"pip could not fetch {path.name}; is there a network?")

@@ -4,7 +4,7 @@
     blender -b --python-exit-code 1 -P run.py -- INPUT [options]
     python run.py INPUT [options]
 
-The second needs numpy and scipy, and for .blend files also bpy. `--help` lists the options.
+The second needs numpy and scipy, for .dxf files ezdxf, and for .blend files bpy. `--help` lists the options.
 """
 
 import importlib.util
@@ -17,6 +17,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent
 PACKAGE = "fcn"
+FOR_DXF = ("typing_extensions", "pyparsing", "fontTools", "ezdxf")
+WHEELS = {"fontTools": "fonttools"}  # name of a package -> of its wheel, where they differ
 
 
 def arguments():
@@ -44,16 +46,16 @@ def load_package():
     return PACKAGE
 
 
-def provide_scipy():
-    """Make scipy importable; False where it is nowhere."""
-    if importlib.util.find_spec("scipy"):
+def provide(name):
+    """Make a library importable; False where it is nowhere."""
+    if importlib.util.find_spec(name):
         return True
     for folder in _site_folders():
-        if (folder / "scipy").is_dir():
+        if (folder / name).is_dir():
             sys.path.append(str(folder))
             return True
     for folder in (*_extension_folders(), ROOT):
-        wheel = next((w for w in sorted(folder.glob("wheels/scipy-*.whl")) if fits(w.name)), None)
+        wheel = next((w for w in sorted(folder.glob(f"wheels/{WHEELS.get(name, name)}-*.whl")) if fits(w.name)), None)
         if wheel is not None:
             sys.path.append(str(_unpack(wheel)))
             return True
@@ -86,6 +88,8 @@ def fits(wheel):
     _, _, python, _, platforms = wheel.removesuffix(".whl").split("-")[-5:]
     system, machine = sysconfig.get_platform().split("-")[0], sysconfig.get_platform().split("-")[-1]
     word = {"linux": "manylinux", "macosx": "macosx", "win": "win"}.get(system, system)
+    if platforms == "any":
+        return python == "py3"
     return (
         python == f"cp{sys.version_info.major}{sys.version_info.minor}"
         and platforms.startswith(word)
@@ -116,13 +120,15 @@ def main():
         if not importlib.util.find_spec(name):
             print(f"error: {name} is missing: {remedy}", file=sys.stderr)
             return 2
-    if not provide_scipy():
+    if not provide("scipy"):
         print(
             "error: scipy is missing: `python3 build.py --wheels` fetches it for Blender,"
             " `pip install scipy` for this Python",
             file=sys.stderr,
         )
         return 2
+    for name in FOR_DXF:  # without them all but DXF works
+        provide(name)
     package = load_package()
     command_line = importlib.import_module(f"{package}.fcn_addon.command.run")
     return command_line.main(arguments(), prog="run.py")

@@ -8,6 +8,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
+from ..core.files.writers.plan import main_plane
 from ..fcn_addon import colours
 
 INPUT = (0.15, 0.15, 0.15)
@@ -23,7 +24,7 @@ def draw(report, curves, path):
     curves : Curves, the input that it is about
     path : where to; the ending chooses the format
     """
-    axes = view(curves.points)
+    axes = main_plane(curves.points)
     centre = curves.points.mean(axis=0)
     pieces = [_flat(curves.curve(i), curves.closed[i], centre, axes) for i in range(len(curves))]
     classes = [report["inputs"][i] for i in curves.source]
@@ -61,7 +62,7 @@ def draw_detected(found, path):
     found : list of FeatureCurves, drawn into one picture
     """
     points = np.concatenate([f.curves.points for f in found])
-    axes, centre = view(points), points.mean(axis=0)
+    axes, centre = main_plane(points), points.mean(axis=0)
     lines = [_flat(f.curves.curve(i), f.curves.closed[i], centre, axes) for f in found for i in range(len(f))]
     colour = [colours.KINDS[kind] for f in found for kind in f.kind]
     span = np.ptp(np.concatenate(lines), axis=0)
@@ -74,19 +75,6 @@ def draw_detected(found, path):
     panel.autoscale_view()
     panel.set_axis_off()
     figure.savefig(path, dpi=120)
-
-
-def view(points) -> np.ndarray:
-    """(2, 3) float64, the picture's right and up: the two main axes of the points, turned so that z is up if it can.
-
-    Where the main plane is level, up is the second main axis.
-    """
-    _, _, main = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)
-    normal = main[2]
-    up = np.array([0.0, 0.0, 1.0]) - normal[2] * normal
-    up = main[1] if np.linalg.norm(up) < 0.3 else up / np.linalg.norm(up)
-    right = np.cross(up, normal)
-    return np.stack([right, up])
 
 
 def _distinct(label):

@@ -8,3 +8,7 @@ class InputError(ValueError):
 
 class Cancelled(Exception):
     """Raised by a progress callback to stop the analysis; nothing is returned."""
+
+
+class NoCurves(InputError):
+    """An input that can be read and has no curve in it; among others it is passed over."""

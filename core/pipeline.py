@@ -75,9 +75,10 @@ def _matches(network, p, clock):
     strong = strong_curves(network, l0=p.l0, strong_curvature=p.strong_curvature)
     longest = network.lengths.max()
     if not longest > p.l0:
+        shorter = f"l0 = {max(4, int(0.5 * longest))}, or " if longest > 4 else ""
         raise InputError(
             f"no curve is strong: none is longer than l0 = {p.l0:g} edge lengths, the longest has {longest:.1f}; "
-            f"try l0 = {max(4, int(0.5 * longest))}, or check the edge length {network.unit:g}"
+            f"try {shorter}an edge length of {0.5 * network.unit * longest / p.l0:.2g} instead of {network.unit:.3g}"
         )
     found = []
     lengths = [p.l0, min(p.l0, p.short_l0)]

@@ -14,7 +14,9 @@ from .values import Completion, Curves, InputClasses
 SCHEMA = "fcn-report/1"
 
 
-def report(completion: Completion, curves: Curves, *, version: str, parameters: Parameters, count=None, seconds=None):
+def report(
+    completion: Completion, curves: Curves, *, version, parameters: Parameters, count=None, shares=None, seconds=None
+):  # fmt: skip
     """The report as a dict of plain Python values.
 
     Parameters
@@ -23,6 +25,7 @@ def report(completion: Completion, curves: Curves, *, version: str, parameters: 
     version : of this program
     parameters : what it was run with
     count : number of input curves, where the last of them left no curve; from `curves.source` if None
+    shares : of the reading, where input curves were joined; from `curves.source` if None
     seconds : more times, of what is done outside the method ("read", "detect", "write")
     """
     count = int(curves.source.max(initial=-1)) + 1 if count is None else count
@@ -42,20 +45,25 @@ def report(completion: Completion, curves: Curves, *, version: str, parameters: 
         "transformations": [_transformation(t) for t in completion.transformations],
         "templates": [_template(t) for t in completion.templates],
         "curves": [*_template_curves(completion.templates), *_strong_curves(completion.strong)],
-        "inputs": _inputs(classes_of_inputs(completion.inputs, curves, count)),
+        "inputs": _inputs(classes_of_inputs(completion.inputs, curves, count, shares)),
     }
 
 
-def classes_of_inputs(classes: InputClasses, curves: Curves, count: int) -> InputClasses:
-    """Classes of the input curves from those of their pieces.
+def classes_of_inputs(classes: InputClasses, curves: Curves, count: int, shares=None) -> InputClasses:
+    """Classes of the input curves from those of the curves.
 
-    A curve that was cut has the class that most of its length has. One that left no piece is noise.
+    An input curve that was cut has the class that most of its length has. One that left no length is noise. `shares`
+    (`core.files.reading.Shares`) says what became of each where they were joined.
     """
+    if shares is None:
+        rows = zip(range(len(curves)), curves.source.tolist(), lengths(curves).tolist())
+    else:
+        rows = zip(shares.curve.tolist(), shares.line.tolist(), shares.length.tolist())
     pieces = {}
-    for piece, (source, length) in enumerate(zip(curves.source.tolist(), lengths(curves).tolist())):
+    for piece, source, length in rows:
         label = str(classes.kind[piece]), int(classes.transformation[piece]), int(classes.component[piece])
-        shares = pieces.setdefault(source, {})
-        shares[label] = shares.get(label, 0.0) + length
+        found = pieces.setdefault(source, {})
+        found[label] = found.get(label, 0.0) + length
     none = "noise", -1, -1
     best = [max(pieces[i].items(), key=lambda item: item[1])[0] if i in pieces else none for i in range(count)]
     kind, transformation, component = zip(*best) if best else ((), (), ())

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import tomllib
+from importlib.util import find_spec
 from pathlib import Path
 
 from ..core.errors import InputError
@@ -23,3 +24,12 @@ def require_scipy():
         import scipy  # noqa: F401
     except ModuleNotFoundError:
         raise InputError("scipy is missing: install the extension's zip for this platform again") from None
+
+
+def require_blender(path):
+    """Raise InputError where there is no Blender to read or write a file."""
+    if find_spec("bpy") is None:
+        raise InputError(
+            f"{path}: a {Path(path).suffix.lower()} file needs Blender: use `blender -b -P run.py -- ...`,"
+            " or `pip install bpy` for this Python"
+        )

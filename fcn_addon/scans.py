@@ -4,11 +4,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from ..core.errors import InputError
-from ..core.files.network import Reading
+from ..core.errors import InputError, NoCurves
+from ..core.files.reading import Reading
+from .coarse import rounding_step
 from .installation import require_scipy
 
 
@@ -23,12 +25,16 @@ class Scan:
 
 @dataclass(frozen=True)
 class Detected:
-    """What detection gave: `found` is a FeatureCurves; vertices and faces count the cleaned mesh."""
+    """What detection gave: `found` is a FeatureCurves; vertices and faces count the cleaned mesh.
+
+    remarks : what is to be said of the scan, sentences
+    """
 
     name: str
     vertices: int
     faces: int
-    found: object
+    found: Any
+    remarks: tuple[str, ...] = ()
 
     @property
     def reading(self) -> Reading:
@@ -51,7 +57,7 @@ def detect(scan: Scan, parameters, kinds, progress=None) -> Detected:
 
     Raises
     ------
-    InputError that names the scan, also where no curve is found
+    InputError that names the scan; NoCurves where no curve is found
     """
     require_scipy()
     from ..core import detection
@@ -62,13 +68,28 @@ def detect(scan: Scan, parameters, kinds, progress=None) -> Detected:
     except InputError as error:
         raise InputError(f"{scan.name}: {error}") from None
     require_curves(scan.name, found, parameters)
-    return Detected(scan.name, len(mesh.vertices), len(mesh.faces), found)
+    return Detected(scan.name, len(mesh.vertices), len(mesh.faces), found, remarks(scan, mesh, found.edge_length))
+
+
+def remarks(scan, mesh, edge_length) -> tuple[str, ...]:
+    """What is to be said of a scan and of the TriangleMesh that it was cleaned to."""
+    said = []
+    dropped = len(scan.triangles) - len(mesh.faces)
+    if dropped > 0:
+        said.append(f"{dropped} of {len(scan.triangles)} faces have no area or are there twice; they are left out")
+    step = rounding_step(scan.points, scan.triangles, edge_length)
+    if step is not None:
+        said.append(
+            f"its coordinates are rounded to {step:.3g}, which is coarse beside its edge length of {edge_length:.3g}: "
+            "steps of the rounding show as ridges; export the scan with more digits, or about its own origin"
+        )
+    return tuple(said)
 
 
 def require_curves(name, found, parameters):
-    """Raise InputError where nothing was found."""
+    """Raise NoCurves where nothing was found."""
     if not len(found):
-        raise InputError(
+        raise NoCurves(
             f"{name}: no feature curve is found; lower strong_fold, {parameters.strong_fold:g} degrees, or min_length, "
             f"{parameters.min_length:g} edge lengths, or ask for other kinds"
         )

@@ -57,11 +57,12 @@ def project_modules():
 # The rooms of the bridge, from the ground up; modules beside them are the ground, but for the roof.
 BRIDGE = {
     "scene": set(),
+    "reading": {"scene"},
     "detected": {"scene"},
-    "result": {"scene"},
+    "result": {"scene", "reading"},
     "properties": {"detected", "result"},
-    "command": {"scene", "detected", "result"},
-    "job": {"scene", "detected", "result", "properties"},
+    "command": {"scene", "reading", "detected", "result"},
+    "job": {"scene", "reading", "detected", "result", "properties"},
 }
 ROOF = {"handlers"}
 
@@ -124,7 +125,7 @@ def test_no_modules_import_each_other_in_a_circle():
 
 
 # Of the core, what is longer for now, and is to become shorter.
-LONG = {"blast", "consolidation", "network", "orbits", "support", "templates", "tensor"}
+LONG = {"description", "tensor"}
 
 
 def test_no_module_is_longer_than_300_lines():
@@ -134,11 +135,12 @@ def test_no_module_is_longer_than_300_lines():
 
 def test_the_core_imports_numpy_and_scipy_only():
     allowed = {"core", "numpy", "scipy", *sys.stdlib_module_names}
+    drawings = {ROOT / "core" / "files" / room / "dxf.py" for room in ("readers", "writers")}
     wrong = [
         f"{path.relative_to(ROOT)}: {name}"
         for path in modules("core")
         for name in imported(path)
-        if name.partition(".")[0] not in allowed
+        if name.partition(".")[0] not in allowed | ({"ezdxf"} if path in drawings else set())
     ]
     assert not wrong
 
@@ -181,7 +183,9 @@ def test_the_command_line_needs_no_blender_until_a_blend_file_is_used(name):
     names = {alias.name for node in top if isinstance(node, ast.Import) for alias in node.names}
     names |= {node.module for node in top if isinstance(node, ast.ImportFrom) and node.module}
     assert not {n.partition(".")[0] for n in names} & BLENDER
-    assert not names & {"blend_file"} and not any(n.startswith(("scene", "result", "detected")) for n in names)
+    assert not names & {"blend_file"} and not any(
+        n.startswith(("scene", "reading", "result", "detected")) for n in names
+    )
 
 
 def test_every_source_file_says_its_licence():

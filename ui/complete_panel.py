@@ -9,6 +9,7 @@ from bpy.app.translations import pgettext_iface as iface_
 from ..fcn_addon.job import session, summary
 from ..fcn_addon.job.estimate import Summary
 from ..fcn_addon.properties.settings import BASIC, LABELS, in_edges
+from ..fcn_addon.reading.reader import evaluated_faces
 from ..fcn_addon.scene.units import unit_length
 from ..fcn_addon.wording import duration
 from .presets_panel import FCN_PT_presets
@@ -28,7 +29,7 @@ class FCN_PT_complete(Sidebar, bpy.types.Panel):
             return
         settings = context.scene.fcn
         _draw_way_back(layout, context)
-        _draw_source(layout, settings)
+        _draw_source(layout, context, settings)
         _draw_summary(layout.box(), context)
         layout.prop(settings, "earlier", expand=True)
         button = layout.row()
@@ -45,10 +46,19 @@ def _draw_way_back(layout, context):
         layout.operator("fcn.select_result", icon="FORWARD")
 
 
-def _draw_source(layout, settings):
+def _has_faces(context):
+    """Whether a selected object has faces; of thousands of objects the first are asked."""
+    depsgraph = context.view_layer.depsgraph
+    return any(evaluated_faces(item, depsgraph) for item in context.selected_objects[:100])
+
+
+def _draw_source(layout, context, settings):
     layout.prop(settings, "source", expand=True)
     if settings.source == "COLLECTION":
         layout.prop(settings, "collection", text=" ")
+        layout.prop(settings, "use_hidden")
+    if settings.take_edges or settings.source == "COLLECTION" or _has_faces(context):
+        layout.prop(settings, "take_edges")
     layout.prop(settings, "edge_length_from")
     if settings.edge_length_from == "SCAN":
         layout.prop(settings, "scan", text=" ")
@@ -82,6 +92,11 @@ def _draw_summary(box, context):
         iface_("About {time}").format(time=duration(found.seconds)),
     ):
         column.label(text=text, icon="BLANK1", translate=False)
+    if found.coarse:
+        column.label(text="The edge length is a coarse estimate: type it in", icon="INFO")
+    if found.left_out:
+        text = iface_("Left out: {objects}").format(objects=found.left_out)
+        column.label(text=text, icon="INFO", translate=False)
 
 
 def _draw_run(layout, run):

@@ -9,6 +9,7 @@ from bpy.app.translations import pgettext_iface as iface_
 from ..fcn_addon.detected import kept
 from ..fcn_addon.job import detecting, session
 from ..fcn_addon.properties.detection import ADVANCED, LARGE
+from ..fcn_addon.reading.reader import evaluated_faces
 from ..fcn_addon.result import stored
 from .sidebar import Sidebar
 
@@ -35,7 +36,7 @@ class FCN_PT_detect(Sidebar, bpy.types.Panel):
         if scan is None:
             layout.label(text="Select a scan, a mesh with faces", icon="INFO")
             return
-        faces = len(scan.data.polygons)
+        faces = evaluated_faces(scan, context.view_layer.depsgraph)
         text = iface_("{scan}: {faces:,} faces").format(scan=scan.name, faces=faces)
         layout.label(text=text, icon="MESH_DATA", translate=False)
         _draw_copy(layout, settings, faces)
@@ -67,6 +68,8 @@ def _draw_thresholds(layout, item):
     box, curves = layout.box(), item.fcn_curves
     text = iface_("{shown:,} of {total:,} curves").format(shown=curves.shown, total=curves.total)
     box.label(text=text, icon="CURVE_DATA", translate=False)
+    if curves.remarks:
+        box.label(text=curves.remarks, icon="ERROR", translate=False)
     column = box.column()
     column.enabled = kept.can_change(item)
     column.prop(curves, "fold", slider=True)

@@ -8,6 +8,7 @@ from bpy.app.translations import pgettext_iface as iface_
 
 from ..fcn_addon.job import session
 from ..fcn_addon.result import stored
+from ..fcn_addon.scene import origin
 from .sidebar import Sidebar
 
 
@@ -42,6 +43,10 @@ class FCN_PT_result(Sidebar, bpy.types.Panel):
         row = layout.row(align=True)
         row.prop(context.scene.fcn, "result", text="", placeholder=root.name)  # without a choice it is the latest
         row.operator("fcn.remove_result", text="", icon="TRASH")
+        shift = origin.words(origin.of(root))
+        if shift:
+            text = iface_("Shift: {shift}").format(shift=shift)
+            layout.label(text=text, icon="ORIENTATION_GLOBAL", translate=False)
         views = layout.grid_flow(row_major=True, columns=2, even_columns=True, align=True)
         for view in ("RESULT", "COMPONENTS", "TEMPLATES", "INPUT"):
             views.prop_enum(result, "view", view)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A graph of edges, and paths over shared vertices, as curves that meet only at their ends."""
+"""A graph of edges as curves that meet only at their ends."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class Chains:
     vertices : (n,) int64, indices of vertices; the closing vertex of a loop is not repeated
     offsets : (m + 1,) int64, chain i is ``vertices[offsets[i]:offsets[i + 1]]``
     closed : (m,) bool
-    source : (m,) int64, the path that chain i is a part of
+    source : (m,) int64, what chain i is a part of: itself
     """
 
     vertices: np.ndarray
@@ -129,75 +129,3 @@ def _smallest_edge(first, half) -> np.ndarray:
     smallest = np.full(len(first), len(first))
     np.minimum.at(smallest, first[half], half >> 1)
     return smallest[first[half]]
-
-
-def split_paths(vertices, offsets) -> Chains:
-    """Cut each path where others, or itself, meet it inside: at vertices with more than two distinct neighbours.
-
-    Parameters
-    ----------
-    vertices : (n,) int64, vertex indices of all paths; a path that is a loop repeats its first vertex at its end
-    offsets : (m + 1,) int64
-
-    Returns
-    -------
-    Chains; the pieces of one path are consecutive. A loop is cut at its junctions, not at its first vertex.
-
-    Notes
-    -----
-    O(n log n).
-    """
-    vertices, offsets = np.asarray(vertices, np.int64), np.asarray(offsets, np.int64)
-    path = np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
-    inside = path[1:] == path[:-1]
-    degree = np.zeros(int(vertices.max(initial=0)) + 1, np.int64)
-    met = _distinct_edges(np.stack([vertices[:-1][inside], vertices[1:][inside]], axis=1)).ravel()
-    degree += np.bincount(met, minlength=len(degree))
-    junction = degree[vertices] > 2
-    count = np.diff(offsets)
-    looped = (count > 3) & (vertices[offsets[:-1]] == vertices[np.maximum(offsets[1:] - 1, 0)])
-    inner = np.ones(len(vertices), bool)
-    inner[offsets[:-1][count > 0]] = inner[offsets[1:][count > 0] - 1] = False
-    cut_paths = np.unique(path[junction & (inner | looped[path])])
-    whole = np.ones(len(offsets) - 1, bool)
-    whole[cut_paths] = False
-    pieces = {
-        int(i): _cut(vertices[offsets[i] : offsets[i + 1]], junction[offsets[i] : offsets[i + 1]], looped[i])
-        for i in cut_paths
-    }
-    return _joined(vertices, offsets, whole, looped, pieces)
-
-
-def _cut(vertices, junction, looped):
-    """List of (vertices, closed), the pieces of one path."""
-    if looped:
-        ring, at = vertices[:-1], np.flatnonzero(junction[:-1])
-        ring = np.roll(ring, -at[0])
-        if len(at) == 1:
-            return [(ring, True)]
-        vertices, at = np.r_[ring, ring[0]], np.r_[at - at[0], len(ring)]
-    else:
-        at = np.r_[0, np.flatnonzero(junction[1:-1]) + 1, len(vertices) - 1]
-    parts = [vertices[a : b + 1] for a, b in zip(at[:-1], at[1:])]
-    return [(p[:-1], True) if len(p) > 3 and p[0] == p[-1] else (p, False) for p in parts]
-
-
-def _joined(vertices, offsets, whole, looped, pieces) -> Chains:
-    """All paths again in their order, those in `pieces` replaced by their pieces."""
-    out, closed, source = [], [], []
-    for i in range(len(offsets) - 1):
-        if whole[i]:
-            out.append(vertices[offsets[i] : offsets[i + 1] - bool(looped[i])])
-            closed.append(bool(looped[i]))
-            source.append(i)
-        else:
-            out.extend(p for p, _ in pieces[i])
-            closed.extend(c for _, c in pieces[i])
-            source.extend([i] * len(pieces[i]))
-    lengths = np.array([len(p) for p in out], np.int64)
-    return Chains(
-        np.concatenate(out) if out else np.zeros(0, np.int64),
-        np.r_[0, np.cumsum(lengths)].astype(np.int64),
-        np.array(closed, bool),
-        np.array(source, np.int64),
-    )

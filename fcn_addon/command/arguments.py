@@ -10,6 +10,8 @@ from typing import NoReturn
 
 from ...core.detection.parameters import DetectionParameters
 from ...core.errors import InputError
+from ...core.files.formats import endings
+from ...core.files.reading import WELD
 from ...core.parameters import Parameters
 
 DESCRIPTION = """\
@@ -17,10 +19,9 @@ Makes a clean, complete network of feature curves from a scan, or from noisy cur
 a mesh, finds what recurs in them, merges the occurrences into clean templates, puts these back wherever they were
 seen, keeps strong single curves and drops noise."""
 
-INPUTS = """\
-one or more files. Scans, meshes with faces: .ply, .obj, .stl, .glb, .blend. Curves: .obj (lines or edges), .ply with
-edges, .txt (ridge lines of CGAL's Ridges_3 or of CrestCODE), .blend (edge meshes and curve objects). Several are
-taken as one network. A file with faces and edges is a scan"""
+INPUTS = f"""\
+one or more files. Scans, meshes with faces: {", ".join(endings("surface"))}. Curves: {", ".join(endings("curves"))};
+README says what of each is read. Several are taken as one network. A file with faces and edges is a scan"""
 
 KINDS = {
     "ridges": (True, "where the surface is bent outwards"),
@@ -42,16 +43,21 @@ def parser(prog) -> argparse.ArgumentParser:
     made = _Parser(prog=prog, description=DESCRIPTION, epilog=EXIT_CODES, allow_abbrev=False)
     made.add_argument("input", nargs="+", metavar="INPUT", help=INPUTS)
     scene = made.add_argument_group(
-        "what to read from a .blend (default: all edge meshes and curves of its scene, else its scans)"
+        "what to take of a .blend or another scene (default: all curves that it shows, else its scans)"
     )
     scene.add_argument("--object", action="append", default=[], metavar="NAME", help="an object; may be repeated")
     scene.add_argument(
         "--collection", action="append", default=[], metavar="NAME",
         help="a collection with those inside it; may be repeated",
     )  # fmt: skip
+    scene.add_argument("--hidden", action="store_true", help="take what is hidden or excluded too")
     out = made.add_argument_group("what to write")
     out.add_argument("--out", metavar="FILE.blend", help="the result as Blender collections")
-    out.add_argument("--curves", metavar="FILE.obj", help="the completed network as polylines")
+    out.add_argument(
+        "--curves", metavar="FILE", help=(
+            "the completed network: .obj polylines; .dxf a block for each template; .svg the main plane of it"
+        ),
+    )  # fmt: skip
     out.add_argument("--report", metavar="FILE.json", help="all that was found, see docs/report.md")
     out.add_argument("--figure", metavar="FILE.png", help="four pictures: input, completed, components, templates")
     out.add_argument(
@@ -65,6 +71,10 @@ def parser(prog) -> argparse.ArgumentParser:
         help="mean edge length of the scan that the curves come from [scene units]",
     )  # fmt: skip
     length.add_argument("--surface", metavar="SCAN", help="that scan; only its mean edge length is taken")
+    made.add_argument(
+        "--weld", type=_weld, default=WELD, metavar="W",
+        help=f"ends this near to another curve are on it [edge lengths, default {WELD:g}; 0: only equal points]",
+    )  # fmt: skip
     _add_detection(made.add_argument_group("feature curves of a scan, see docs/detection.md"))
     _add_parameters(made.add_argument_group("parameters of the method, with the names of the paper"), Parameters)
     made.add_argument("--quiet", action="store_true", help="print nothing but errors")
@@ -78,7 +88,9 @@ def _add_detection(group):
             help=f"{words} [{'on' if default else 'off'} by default]",
         )  # fmt: skip
     group.add_argument(
-        "--take-edges", action="store_true", help="of a file with faces and edges take the edges as curves"
+        "--take-edges",
+        action="store_true",
+        help="of a file with faces and edges take the edges as curves, of a mesh with faces its loose edges",
     )
     _add_parameters(group, DetectionParameters)
 
@@ -126,6 +138,13 @@ def _whole(word) -> int:
         return int(word)
     except ValueError:
         raise argparse.ArgumentTypeError(f"{word!r} is not a whole number") from None
+
+
+def _weld(word) -> float:
+    value = _number(word)
+    if not (isfinite(value) and value >= 0):
+        raise argparse.ArgumentTypeError(f"{word} is no tolerance; give a number of at least 0 in edge lengths")
+    return value
 
 
 def _edge_length(word) -> float:

@@ -1,78 +1,143 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reading curves from a .blend file and writing a result to one, without a window.
+"""Reading curves and scans of a .blend file, or of what Blender imports, and writing a result to a .blend.
 
-Both replace what is open, so they are for the command line alone.
+All of it replaces what is open, so it is for the command line alone.
 """
 
 from __future__ import annotations
 
 import os
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import bpy
+import numpy as np
 
-from ...core.errors import InputError
+from ...core.errors import InputError, NoCurves
 from ..detected import edge_mesh
+from ..reading import left_out, reader
+from ..reading.left_out import LeftOut
 from ..result import writer
+from ..result.views import ROLE
 from ..scans import Scan
-from ..scene import reader
+from ..scene import importers, origin
+from ..scene.libraries import require_libraries
+from ..shifts import moved_completion, moved_curves, shift_for
+
+GEOMETRY = {*reader.CURVE_TYPES, "MESH", "SURFACE", "META"}
 
 
-def read(path, objects=(), collections=(), say=lambda line: None) -> list:
-    """The curves of a file as one Reading, then its scans, a Scan each.
+@dataclass(frozen=True)
+class Choice:
+    """What to take of a scene.
+
+    objects, collections : names; without any, what the scene shows: its curves, and its scans where it has none
+    hidden : take what is hidden too
+    take_edges : of meshes with faces and loose edges take the edges
+    """
+
+    objects: tuple[str, ...] = ()
+    collections: tuple[str, ...] = ()
+    hidden: bool = False
+    take_edges: bool = False
+
+
+def read(path, choice=None, say=lambda line: None):
+    """The curves of a file as one Reading, then its scans, a Scan for each object; what is LeftOut; the scene's shift.
+
+    The shift, (3,) float64, is already in the coordinates.
 
     Parameters
     ----------
-    objects, collections : names; without any, all curve objects of the scene are read, and its meshes with faces
-        where it has no curves
-    say : called with a line where both are there
+    say : called with a line where something is left out
     """
+    choice = choice or Choice()
     if not os.path.isfile(path):
         raise InputError(f"{path}: no such file; check the path")
+    _open(path)
+    try:
+        require_libraries()
+        found, skipped = _of_scene(path, choice)
+        shift = origin.of(bpy.context.scene)
+    except InputError as error:
+        raise type(error)(f"{path}: {error}") from None
+    if skipped:
+        say(f"{path}: {skipped.line()}")
+    return [_moved(part, shift) for part in found], skipped, shift
+
+
+def _moved(part, shift):
+    """A Reading or a Scan moved by (3,)."""
+    if isinstance(part, Scan):
+        return replace(part, points=part.points + shift)
+    return replace(part, curves=moved_curves(part.curves, shift))
+
+
+def _open(path):
+    if Path(path).suffix.lower() != ".blend":
+        importers.open_file(path)
+        return
     try:
         # Scripts in the file stay off: it may come from anywhere.
         bpy.ops.wm.open_mainfile(filepath=str(Path(path).resolve()), load_ui=False, use_scripts=False)
     except RuntimeError as error:
         reason = " ".join(str(error).removeprefix("Error:").split())
         raise InputError(f"{path}: Blender cannot open it ({reason}); was it cut off?") from None
-    chosen = [_named(path, bpy.data.objects, "object", name) for name in objects]
-    for name in collections:
-        inside = _curves_or_scans(_named(path, bpy.data.collections, "collection", name).all_objects, path, say)
-        if not inside:
-            raise InputError(f"{path}: collection {name!r} holds no edge mesh, curve object or mesh with faces")
-        chosen += inside
-    if not objects and not collections:
-        chosen = _curves_or_scans(bpy.context.scene.objects, path, say)
-    if not chosen:
-        raise InputError(f"{path}: no edge mesh or curve object in its scene, nor a scan; name one with --object")
+
+
+def _of_scene(path, choice):
+    """The Reading and the Scans of the open file, and what is LeftOut."""
+    named = bool(choice.objects or choice.collections)
+    chosen = [_named(bpy.data.objects, "object", name) for name in choice.objects]
+    for name in choice.collections:
+        chosen += _named(bpy.data.collections, "collection", name).all_objects
+    skipped = LeftOut()
+    if not named:
+        own = _own_results()
+        chosen = list(bpy.context.scene.objects)
+        skipped = LeftOut(tuple((item.name, left_out.OWN) for item in chosen if item in own))
+        skipped += LeftOut(tuple((item.name, left_out.ELSEWHERE) for item in _elsewhere()))
+        chosen = [item for item in chosen if item not in own]
     chosen = list(dict.fromkeys(chosen))
-    _show(chosen)
-    depsgraph = bpy.context.evaluated_depsgraph_get()
-    surfaces = [item for item in chosen if reader.is_surface(item)]
-    curves = [item for item in chosen if item not in surfaces]
-    try:
-        found = [reader.read_objects(curves, depsgraph).reading] if curves else []
-        for item in surfaces:
-            found.append(Scan(f"{path}: object {item.name!r}", *reader.read_surface(item, depsgraph)))
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from None
-    return found
+    if choice.hidden or named:
+        _show(chosen)
+    read = reader.read(chosen, bpy.context.evaluated_depsgraph_get(), take_edges=choice.take_edges)
+    skipped = read.left_out + skipped
+    found = [] if read.reading is None else [read.reading]
+    if read.reading is not None and not choice.objects:
+        skipped += LeftOut(tuple((read.names[i], left_out.SCAN) for i in read.surfaces))
+    else:
+        found += [Scan(f"{path}: object {read.names[i]!r}", *surface) for i, surface in read.surfaces.items()]
+    if not found:
+        raise NoCurves(_nothing(choice, skipped))
+    return found, skipped
 
 
-def _curves_or_scans(objects, path, say):
-    """The curve objects among these, or where there are none the meshes with faces."""
-    objects = list(objects)
-    curves = reader.curve_objects(objects)
-    surfaces = [item for item in objects if reader.is_surface(item)]
-    if curves and surfaces:
-        say(f"{path} has curves and meshes with faces: the curves are taken; name a scan with --object to detect it")
-    return curves or surfaces
+def _nothing(choice, skipped) -> str:
+    """Why there is no input."""
+    said = f" ({skipped.line()})" if skipped else ""
+    names = [*(f"object {n!r}" for n in choice.objects), *(f"collection {n!r}" for n in choice.collections)]
+    where = " and ".join(names) if names else "the scene"
+    return f"{where} shows no curves and no faces{said}; give edge meshes, curve objects, or a scan"
 
 
-def _named(path, items, what, name):
+def _own_results() -> set:
+    """The objects of results that this program has made."""
+    roots = {c for c in bpy.data.collections if any(ROLE in child for child in c.children)}
+    return {item for root in roots for item in root.all_objects}
+
+
+def _elsewhere() -> list:
+    """Objects with geometry of other scenes than the one that is open."""
+    here = set(bpy.context.scene.objects)
+    others = (item for scene in bpy.data.scenes for item in scene.objects if item not in here)
+    return list(dict.fromkeys(item for item in others if item.data is not None and item.type in GEOMETRY))
+
+
+def _named(items, what, name):
     if name not in items:
         known = ", ".join(repr(item.name) for item in list(items)[:8]) or "none"
-        raise InputError(f"{path}: no {what} {name!r}; it has {known}")
+        raise InputError(f"no {what} {name!r}; it has {known}")
     return items[name]
 
 
@@ -84,22 +149,47 @@ def _show(objects):
         item.hide_viewport = False
         shown.objects.link(item)
     bpy.context.view_layer.update()
+    for item in objects:
+        item.hide_set(False)
+    bpy.context.view_layer.update()
 
 
-def write(completion, curves, path, source):
-    """Save a result as a .blend file that holds nothing else."""
-    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    writer.write(completion, curves, source=source, scene=bpy.context.scene)
+def write(completion, curves, path, source, shift=None):
+    """Save a result as a .blend file that holds nothing else, about its origin.
+
+    shift : (3,), where the origin of the scene that the curves come from lies, None for (0, 0, 0); where they are far
+        from it, the result gets an origin nearer to them
+    """
+    shift = _shift(curves.points, shift)
+    scene = _empty_scene(shift)
+    root = writer.write(
+        moved_completion(completion, -shift), moved_curves(curves, -shift), source=source, scene=scene
+    )  # fmt: skip
+    origin.keep(root, shift)
     _save(path)
 
 
-def write_detected(detected, path, source):
-    """Save detected curves as a .blend file that holds an edge mesh for each scan and nothing else."""
-    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+def write_detected(detected, path, source, shift=None):
+    """Save detected curves as a .blend file with an edge mesh for each scan and nothing else, about its origin."""
+    shift = _shift(np.concatenate([d.found.curves.points for d in detected]), shift)
+    scene = _empty_scene(shift)
     for d in detected:
         name = source if len(detected) == 1 else Path(d.name).stem
-        bpy.context.scene.collection.objects.link(edge_mesh.make(f"{name} curves", d.found))
+        scene.collection.objects.link(edge_mesh.make(f"{name} curves", d.found, shift))
     _save(path)
+
+
+def _shift(points, given):
+    """The shift that is given, and what must be added to it to come near the origin."""
+    given = np.zeros(3) if given is None else np.asarray(given, float)
+    return given + shift_for(points - given)
+
+
+def _empty_scene(shift):
+    """The scene of a new file."""
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    origin.keep(bpy.context.scene, shift)
+    return bpy.context.scene
 
 
 def _save(path):

@@ -3,49 +3,100 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
-from ...core.errors import InputError
-from ...core.files.reading import CURVE_READERS, SURFACE_READERS, content, read_curves, read_surface
+from ...core.errors import InputError, NoCurves
+from ...core.files import formats
 from ..scans import Scan
 
 
-def is_blend(path) -> bool:
-    return Path(path).suffix.lower() == ".blend"
+@dataclass(frozen=True)
+class Inputs:
+    """parts : a Reading, not joined, or a Scan for each of what the inputs hold, in their order
+
+    left_out : rows of the report
+    shift : (3,), where the origin of the first scene lies, None where no input is a scene
+    """
+
+    parts: list
+    left_out: list
+    shift: object = None
 
 
-def read(options, say) -> list:
-    """A Reading or a Scan for each of what the inputs hold, in their order.
+def read(options, say) -> Inputs:
+    """What the inputs hold.
 
     Parameters
     ----------
     options : of the command line
-    say : called with a line where of two things one is taken
+    say : called with a line where of two things one is taken, or something is left out
     """
-    if (options.object or options.collection) and not any(is_blend(path) for path in options.input):
-        raise InputError("--object and --collection choose from a .blend file; give one, or leave them out")
-    found = []
-    for path in options.input:
-        if is_blend(path):
-            from . import blend_file
+    for name in ("object", "collection", "hidden"):
+        if getattr(options, name) and not any(map(formats.is_blenders, options.input)):
+            raise InputError(f"--{name} chooses from a .blend file or another scene; give one, or leave it out")
+    rows, shifts = [], []
 
-            found += blend_file.read(path, options.object, options.collection, say)
-        else:
-            found.append(_read(path, options.take_edges, say))
+    def parts(path):
+        if not formats.is_blenders(path):
+            return [_read(path, options.take_edges, say)]
+        found, skipped, shift = _read_scene(path, options, say)
+        shifts.append(shift)
+        rows.extend({"file": str(path), **row} for row in skipped.rows())
+        return found
+
+    found = [part for every in each(options.input, parts, say) for part in every]
     _check(options, found)
-    return found
+    return Inputs(found, rows, shifts[0] if shifts else None)
+
+
+def _read_scene(path, options, say):
+    from . import blend_file
+
+    choice = blend_file.Choice(tuple(options.object), tuple(options.collection), options.hidden, options.take_edges)
+    return blend_file.read(path, choice, say)
+
+
+def surface(path):
+    """Points (n, 3) float64 and triangles (m, 3) int64 of a file with faces, of a scene those of its first scan."""
+    if not formats.is_blenders(path):
+        return formats.read_surface(path)
+    from . import blend_file
+
+    found, _, _ = blend_file.read(path)
+    scan = next((part for part in found if isinstance(part, Scan)), None)
+    if scan is None:
+        raise InputError(f"{path}: it has curves, and no scan is taken; give a file with the scan alone")
+    return scan.points, scan.triangles
+
+
+def each(items, work, say) -> list:
+    """What `work` makes of each item; one without curves is passed over and named.
+
+    Raises InputError where none is left, NoCurves for one alone.
+    """
+    made, empty = [], []
+    for item in items:
+        try:
+            made.append(work(item))
+        except NoCurves as error:
+            empty.append(error)
+    if not made:
+        raise empty[0] if len(empty) == 1 else NoCurves(f"no input has curves: {'; '.join(map(str, empty))}")
+    for reason in empty:
+        say(f"passed over: {reason}")
+    return made
 
 
 def _read(path, take_edges, say):
-    suffix = Path(path).suffix.lower()
-    if suffix not in CURVE_READERS and suffix not in SURFACE_READERS:
-        known = ", ".join(sorted({*CURVE_READERS, *SURFACE_READERS, ".blend"}))
+    if formats.format_of(path) is None:
+        suffix, known = Path(path).suffix.lower(), ", ".join(formats.endings())
         raise InputError(f"{path}: a {suffix or 'nameless'} file cannot be read; give one of {known}")
-    has = content(path)
-    if suffix == ".ply" and not has.faces and not has.curves:
-        raise InputError(f"{path}: it has points only; export the scan with its faces, or curves with their edges")
+    has = formats.content(path)
+    if Path(path).suffix.lower() == ".ply" and not has.faces and not has.curves:
+        raise NoCurves(f"{path}: it has points only; export the scan with its faces, or curves with their edges")
     if take_edges and has.faces and not has.curves:
-        raise InputError(f"{path}: it has no edges or lines of its own; leave --take-edges out to detect its curves")
+        raise NoCurves(f"{path}: it has no edges or lines of its own; leave --take-edges out to detect its curves")
     if has.faces and has.curves:
         say(
             f"{path} has faces and edges: the edges are taken"
@@ -53,8 +104,11 @@ def _read(path, take_edges, say):
             else f"{path} has faces and edges: it is taken as a scan, its edges are left out; --take-edges takes them"
         )
     if has.faces and not take_edges:
-        return Scan(str(path), *read_surface(path))
-    return read_curves([path])
+        return Scan(str(path), *formats.read_surface(path))
+    reading = formats.read_lines(path)
+    if reading.left_out:
+        say(f"{path}: left out are {reading.left_out}")
+    return reading
 
 
 def _check(options, found):

@@ -6,13 +6,14 @@ from __future__ import annotations
 import signal
 import time
 from contextlib import contextmanager
-from importlib.util import find_spec
 from pathlib import Path
 
 from ...core.errors import Cancelled, InputError
-from ...core.files.network import concatenate
-from ...core.files.reading import mean_edge_length, read_surface
+from ...core.files.formats import is_blenders, mean_edge_length
+from ...core.files.readers.dxf import require_ezdxf
+from ...core.files.reading import concatenate
 from .. import installation, scans
+from ..coarse import coarse_spread
 from . import arguments, inputs, writing
 from .figure import figure
 from .outputs import Outputs
@@ -36,7 +37,7 @@ def main(argv, prog="run.py") -> int:
         terminal.error("stopped, nothing was written")
         return STOPPED
     except SystemExit as stop:  # --help
-        return stop.code or DONE
+        return int(stop.code or DONE)
     return DONE
 
 
@@ -47,55 +48,63 @@ def _run(options, terminal):
     sources = [*options.input, *([options.surface] if options.surface else [])]
     with Outputs(wanted.values(), sources) as outputs:
         began = time.perf_counter()
-        parts = inputs.read(options, terminal.say)
+        given = inputs.read(options, terminal.say)
         seconds = {"read": time.perf_counter() - began}
         began = time.perf_counter()
-        parts, detected = _detect(parts, detection, kinds, terminal)
+        parts, detected = _detect(given.parts, detection, kinds, terminal)
         seconds["detect"] = time.perf_counter() - began
         if options.detect_only:
-            said = writing.write_detected(detected, detection, kinds, seconds, wanted, outputs, _name(options))
+            said = writing.write_detected(detected, detection, kinds, seconds, wanted, outputs, _name(options), given)
         else:
             reading = concatenate(parts)
             edge_length = _edge_length(options, reading)
+            origin = _origin(options, reading)
+            if len(detected) < len(parts):  # detected curves meet where they meet
+                reading = _joined(reading, options.weld * edge_length)
             terminal.say(
-                f"{reading.count} curves, {len(reading.curves.points)} points, edge length {edge_length:.4g} "
-                f"({_origin(options, reading)})"
+                f"{reading.count} curves, {len(reading.curves.points)} points, edge length {edge_length:.4g} ({origin})"
             )
             completion = _complete(reading.curves, edge_length, parameters, terminal)
             document = _report(completion, reading, parameters, seconds)
+            document["left_out"] = given.left_out
             document["detection"] = writing.described(detected, detection, kinds)
-            writing.write(completion, document, reading, wanted, outputs, _name(options))
+            writing.write(completion, document, reading, wanted, outputs, _name(options), given.shift)
             said = writing.summary_line(document)
     terminal.say(said + writing.written(wanted))
 
 
 def _detect(parts, parameters, kinds, terminal):
     """The readings of all parts, and what was Detected in those that are scans."""
-    readings, detected = [], []
-    for part in parts:
-        if isinstance(part, scans.Scan):
-            found = scans.detect(part, parameters, kinds, terminal.progress)
-            terminal.say(
-                f"{part.name}: {len(found.found)} feature curves on {found.faces} faces, "
-                f"edge length {found.edge_length:.4g}, smoothed by {found.found.detail:.2g} of it"
-            )
-            detected.append(found)
-            part = found.reading
-        readings.append(part)
-    return readings, detected
+    detected = []
+
+    def read(part):
+        if not isinstance(part, scans.Scan):
+            return part
+        found = scans.detect(part, parameters, kinds, terminal.progress)
+        terminal.say(
+            f"{part.name}: {len(found.found)} feature curves on {found.faces} faces, "
+            f"edge length {found.edge_length:.4g}, smoothed by {found.found.detail:.2g} of it"
+        )
+        for remark in found.remarks:
+            terminal.say(f"{part.name}: {remark}")
+        detected.append(found)
+        return found.reading
+
+    return inputs.each(parts, read, terminal.say), detected
 
 
 def _wanted(options) -> dict:
     """Output name -> path, after what each needs was looked for."""
     wanted = {name: getattr(options, name) for name in ("out", "curves", "report", "figure") if getattr(options, name)}
-    endings = {"out": ".blend", "curves": ".obj", "report": ".json"}
+    endings = {"out": (".blend",), "curves": writing.CURVE_FILES, "report": (".json",)}
     for name, path in wanted.items():
-        if name in endings and Path(path).suffix.lower() != endings[name]:
-            raise InputError(f"{path}: --{name} writes a {endings[name]} file; end the name so")
-    if ("out" in wanted or any(inputs.is_blend(path) for path in options.input)) and find_spec("bpy") is None:
-        raise InputError(
-            "a .blend file needs Blender: use `blender -b -P run.py -- …`, or `pip install bpy` for this Python"
-        )
+        if name in endings and Path(path).suffix.lower() not in endings[name]:
+            raise InputError(f"{path}: --{name} writes a {' or '.join(endings[name])} file; end the name so")
+    if any(Path(path).suffix.lower() == ".dxf" for path in (*options.input, *wanted.values())):
+        require_ezdxf()
+    for path in (*options.input, options.surface, wanted.get("out")):
+        if path and is_blenders(path):
+            installation.require_blender(path)
     if "figure" in wanted:
         figure()
     return wanted
@@ -105,9 +114,16 @@ def _edge_length(options, reading):
     from ...core.network.edge_length import estimate_edge_length
 
     if options.surface:
-        return mean_edge_length(*read_surface(options.surface))
+        return mean_edge_length(*inputs.surface(options.surface))
     known = options.edge_length or reading.edge_length
     return known or estimate_edge_length(reading.curves, crossings=reading.crossings)
+
+
+def _joined(reading, tolerance):
+    installation.require_scipy()
+    from ...core.files.joining import join
+
+    return join(reading, tolerance)
 
 
 def _origin(options, reading):
@@ -117,6 +133,13 @@ def _origin(options, reading):
         return "as given"
     if reading.edge_length:
         return "mean edge of the scan"
+    spread = None if reading.crossings else coarse_spread(reading.curves)
+    if spread is not None:
+        return (
+            "coarse: the middle of segments that are {:.3g} to {:.3g} long; --edge-length or --surface set it".format(
+                *spread
+            )
+        )
     return "estimated from the curves; --edge-length or --surface set it"
 
 
@@ -132,7 +155,7 @@ def _report(completion, reading, parameters, seconds):
 
     return report(
         completion, reading.curves, version=installation.version(), parameters=parameters, count=reading.count,
-        seconds=seconds,
+        shares=reading.shares, seconds=seconds,
     )  # fmt: skip
 
 

@@ -7,14 +7,15 @@ import bpy
 import numpy as np
 
 from .. import colours
-from ..scene.curve_data import fill_mesh
-from ..scene.reader import EDGE_LENGTH, KIND, NORMAL, STRENGTH
+from ..scene.curve_data import EDGE_LENGTH, KIND, NORMAL, STRENGTH, fill_mesh
 
 
-def make(name, found):
+def make(name, found, shift=(0.0, 0.0, 0.0)):
     """A new object of FeatureCurves about their middle, so that float32 holds them far from the origin too.
 
     It is in no collection yet. On any fault nothing is left behind.
+
+    shift : (3,), where the origin of the scene lies
     """
     made = []
     try:
@@ -23,7 +24,9 @@ def make(name, found):
         made.append(data)
         item = bpy.data.objects.new(name, data)
         made.append(item)
-        item.matrix_world = np.block([[np.eye(3), np.zeros((3, 1))], [centre, 1.0]]).tolist()  # columns
+        item.matrix_world = np.block(
+            [[np.eye(3), np.zeros((3, 1))], [centre - np.asarray(shift), 1.0]]
+        ).tolist()  # columns
         item.color = (*colours.DETECTED, 1.0)
         item.show_wire = True
         item[EDGE_LENGTH] = found.edge_length

@@ -88,6 +88,7 @@ class FCN_PG_curves(PropertyGroup):
 
     scan : name of the object that they were detected on, empty for all other objects
     applied_fold, applied_length : what the mesh was made with
+    remarks : what is to be said of the scan
     """
 
     scan: StringProperty()
@@ -111,5 +112,6 @@ class FCN_PG_curves(PropertyGroup):
     )
     applied_fold: FloatProperty()
     applied_length: FloatProperty()
+    remarks: StringProperty(name="Remarks", description="What is to be said of the scan")
     total: IntProperty()
     shown: IntProperty()

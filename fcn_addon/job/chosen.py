@@ -3,9 +3,10 @@
 
 from __future__ import annotations
 
+from ..reading import left_out, reader, shown
+from ..reading.edge_length import mean_edge_length
+from ..reading.left_out import LeftOut
 from ..result import stored
-from ..scene import reader
-from ..scene.edge_length import mean_edge_length
 
 
 def why_not(context) -> str | None:
@@ -16,9 +17,12 @@ def why_not(context) -> str | None:
     if settings.source == "COLLECTION":
         if settings.collection is None:
             return "Choose the collection that holds the curves"
-        if not _any(_of_collection(settings.collection)):
+        of_collection = _of_collection(settings.collection)
+        if not _any(context, of_collection):
             return "The collection holds no edge mesh or curve object"
-    elif not _any(_selected(context)) and not _again(context):
+        if not _any(context, _taken(context, of_collection)):
+            return "All curves of the collection are hidden"
+    elif not _any(context, _selected(context)) and not _again(context):
         return "Select curves or edge meshes"
     if settings.edge_length_from == "SCAN" and scan(context) is None:
         return "Choose the scan that the edge length is measured on"
@@ -36,24 +40,54 @@ def _of_collection(collection):
     return [item for item in collection.all_objects if item not in made]
 
 
-def _any(objects):
-    return any(reader.curve_objects([item]) for item in objects)
+def _taken(context, objects) -> list:
+    """Those that are not hidden, all if the settings say so; what an earlier run has hidden counts as seen."""
+    if context.scene.fcn.use_hidden:
+        return list(objects)
+    completed = {name for root in stored.of_scene(context.scene) for name in stored.source_names(root)}
+    return [item for item in objects if item.visible_get() or item.name in completed]
+
+
+def _curves(context, objects) -> list:
+    depsgraph, take_edges = context.view_layer.depsgraph, context.scene.fcn.take_edges
+    return [item for item in objects if reader.may_hold_curves(item, depsgraph, take_edges)]
+
+
+def _any(context, objects):
+    return any(_curves(context, [item]) for item in objects)
 
 
 def chosen(context) -> list:
     """The objects to complete, in a steady order."""
     settings = context.scene.fcn
     if settings.source == "COLLECTION":
-        objects = _of_collection(settings.collection) if settings.collection else ()
+        objects = _taken(context, _of_collection(settings.collection)) if settings.collection else ()
     else:
         selected = _selected(context)
-        objects = selected if _any(selected) else _again(context)
-    return sorted(dict.fromkeys(reader.curve_objects(objects)), key=lambda item: item.name)
+        objects = selected if _any(context, selected) else _again(context)
+    return sorted(dict.fromkeys(_curves(context, objects)), key=lambda item: item.name)
+
+
+def passed_over(context) -> LeftOut:
+    """What was chosen and is not read: hidden objects of the collection, and text and the like by name."""
+    settings = context.scene.fcn
+    if settings.source != "COLLECTION":
+        objects, unseen = _selected(context), []
+    elif settings.collection is None:
+        return LeftOut()
+    else:
+        every = _of_collection(settings.collection)
+        objects = _taken(context, every)
+        unseen = _curves(context, [item for item in every if item not in set(objects)])
+    rows = [(item.name, left_out.HIDDEN) for item in unseen]
+    rows += [(item.name, shown.REFUSED[item.type]) for item in objects if item.type in shown.REFUSED]
+    return LeftOut(tuple(sorted(rows)))
 
 
 def is_again(context) -> bool:
     """Whether no other curves are selected, so that a run would repeat that of the active result."""
-    return context.scene.fcn.source == "SELECTION" and not _any(_selected(context)) and bool(_again(context))
+    again = context.scene.fcn.source == "SELECTION" and not _any(context, _selected(context))
+    return again and bool(_again(context))
 
 
 def _again(context) -> list:
@@ -81,7 +115,8 @@ def scan(context):
     settings = context.scene.fcn
     if settings.scan is not None:
         return settings.scan
-    surfaces = [o for o in context.selected_objects if o.type == "MESH" and len(o.data.polygons)]
+    depsgraph = context.view_layer.depsgraph
+    surfaces = [item for item in context.selected_objects if reader.evaluated_faces(item, depsgraph)]
     return surfaces[0] if len(surfaces) == 1 else None
 
 

@@ -11,16 +11,18 @@ import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from ...core.errors import InputError
-from ...core.files.network import Reading
+from ...core.files.reading import WELD, Reading
 from ...core.parameters import Parameters
 from .. import progress
 from ..installation import require_scipy
 from ..properties.settings import parameters
+from ..reading import reader
+from ..reading.left_out import LeftOut
+from ..reading.visibility import shown
 from ..result import stored, views, writer
-from ..scene import reader
+from ..scene import origin
 from ..scene.identity import Identity
 from ..scene.units import unit_length
-from ..scene.visibility import shown
 from . import chosen
 from .estimate import summarise
 from .session import RunKind
@@ -33,6 +35,7 @@ class Task:
     owner : (reading.count,) int64, which of `sources` each input curve comes from
     edge_length : scene units, None to estimate it
     replace : remove the earlier result of the same curves
+    left_out : what of the chosen objects is not taken
     """
 
     label: str
@@ -43,12 +46,14 @@ class Task:
     edge_length: float | None
     parameters: Parameters
     replace: bool
+    left_out: LeftOut = LeftOut()
 
 
 def take(context, hidden=True) -> Task:
     """Read what the settings choose. Raises InputError where that cannot be used.
 
-    hidden : evaluate hidden objects too, for which they are shown for a moment; otherwise they are read as they were
+    hidden : evaluate hidden objects too, for which they are shown for a moment, draw curves as Blender does, and join
+        them by position, as a run needs it; otherwise nothing in Blender is touched
     """
     why = chosen.why_not(context)
     if why:
@@ -56,18 +61,30 @@ def take(context, hidden=True) -> Task:
     objects = chosen.chosen(context)
     with shown(context, objects if hidden else ()):
         depsgraph = context.evaluated_depsgraph_get()
-        read = reader.read_objects(objects, depsgraph)
-        unit = chosen.edge_length(context, depsgraph) or read.reading.edge_length
+        read = reader.read_curves(objects, depsgraph, take_edges=context.scene.fcn.take_edges, quiet=not hidden)
+        unit = chosen.edge_length(context, depsgraph) or (read.reading and read.reading.edge_length)
+    gave = np.unique(read.owner)
+    objects = [objects[i] for i in gave]
     return Task(
         chosen.label(context, objects),
         Identity.of(context.scene),
         tuple(Identity.of(item) for item in objects),
-        read.reading,
-        read.owner,
+        _joined(read.reading, unit) if hidden else read.reading,
+        np.searchsorted(gave, read.owner),
         unit,
         parameters(context.scene.fcn.parameters),
         context.scene.fcn.earlier == "REPLACE",
+        chosen.passed_over(context) + read.left_out,
     )
+
+
+def _joined(reading, edge_length) -> Reading:
+    """The curves joined by position, as those of files are; input curves and their order stay."""
+    require_scipy()
+    from ...core.files.joining import join
+    from ...core.network.edge_length import estimate_edge_length
+
+    return join(reading, WELD * (edge_length or estimate_edge_length(reading.curves, crossings=reading.crossings)))
 
 
 def leaving_room(parameters):
@@ -102,6 +119,7 @@ def finish(context, task, completion):
     root = writer.write(completion, task.reading.curves, source=task.label, scene=scene, length=length)
     try:
         stored.describe(root, completion, task, length)
+        origin.keep(root, origin.of(scene))
         views.refresh(root)
     except BaseException:
         stored.remove(root)

@@ -18,7 +18,7 @@ from ..detected.kept import Measured
 from ..installation import require_scipy
 from ..properties import from_parameters
 from ..properties import settings as of_scene
-from ..scene import working_copy
+from ..reading import reader, working_copy
 from ..scene.identity import Identity
 from .session import RunKind
 
@@ -51,14 +51,20 @@ class Made:
     found: object
     measured: Measured
     completion: object = None
+    remarks: tuple[str, ...] = ()
 
 
 def scan_of(context):
-    """The mesh with faces that a run would take: the active object if it is selected, else the only one selected."""
-    surfaces = [o for o in context.selected_objects if o.type == "MESH" and len(o.data.polygons)]
+    """The mesh with faces, or the instances, that a run would take: the active object, else the only one selected."""
+    depsgraph = context.view_layer.depsgraph
+    surfaces = [o for o in context.selected_objects if reader.evaluated_faces(o, depsgraph) or _instances(o)]
     if context.active_object in surfaces:
         return context.active_object
     return surfaces[0] if len(surfaces) == 1 else None
+
+
+def _instances(item) -> bool:
+    return item.instance_type == "COLLECTION" and item.instance_collection is not None
 
 
 def why_not(context) -> str | None:
@@ -112,13 +118,13 @@ def work(task, report) -> Made:
     except InputError as error:
         raise InputError(f"{task.scan.name}: {error}") from None
     scans.require_curves(task.scan.name, found, task.parameters)
+    remarks = scans.remarks(task.scan, known.mesh, found.edge_length)
     if task.method is None:
-        return Made(found, known)
+        return Made(found, known, None, remarks)
     from ...core.pipeline import complete
 
-    return Made(
-        found, known, complete(found.curves, edge_length=found.edge_length, parameters=task.method, progress=report)
-    )
+    completion = complete(found.curves, edge_length=found.edge_length, parameters=task.method, progress=report)
+    return Made(found, known, completion, remarks)
 
 
 def _fingerprint(scan) -> bytes:
@@ -139,6 +145,7 @@ def finish(context, task, made):
     scene.collection.objects.link(item)
     curves = item.fcn_curves
     curves.scan, curves.total, curves.shown = task.label, len(made.found), len(made.found)
+    curves.remarks = "; ".join(made.remarks)
     for old in earlier:
         kept.remove(old)
     item.name = f"{task.label} curves"

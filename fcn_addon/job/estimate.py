@@ -5,9 +5,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ...core.matching.strong import strong_curves
 from ...core.network.building import build_network
 from ...core.network.edge_length import estimate_edge_length
-from ...core.matching.strong import strong_curves
+from ..coarse import coarse_spread
 
 
 @dataclass(frozen=True)
@@ -18,6 +19,8 @@ class Summary:
     strong : curves that take part in the matching
     seconds : a rough time for the run
     again : nothing is selected, these are the curves of the active result
+    coarse : the edge length is an estimate from segments of very different lengths
+    left_out : what of the chosen objects is not taken, in words
     """
 
     objects: int
@@ -27,6 +30,8 @@ class Summary:
     strong: int
     seconds: float
     again: bool = False
+    coarse: bool = False
+    left_out: str = ""
 
 
 def summarise(curves, edge_length, parameters, objects=1, again=False) -> Summary:
@@ -35,7 +40,8 @@ def summarise(curves, edge_length, parameters, objects=1, again=False) -> Summar
     network = build_network(curves, edge_length=unit, smoothing=parameters.smoothing)
     strong = strong_curves(network, l0=parameters.l0, strong_curvature=parameters.strong_curvature)
     seconds = rough_seconds(len(network.points), float(network.lengths[strong].sum()))
-    return Summary(objects, len(curves), len(network.points), unit, len(strong), seconds, again)
+    coarse = not edge_length and coarse_spread(curves) is not None
+    return Summary(objects, len(curves), len(network.points), unit, len(strong), seconds, again, coarse)
 
 
 def rough_seconds(samples, strong) -> float:

@@ -105,10 +105,13 @@ def run_now(context, kind, report=None):
 
 def tick() -> bool:
     """Take in what the thread has said; whether what is shown has changed."""
+    if _run is None:
+        return False
     now = time.monotonic()
     news = _run.job.news()
     if news is not None:
-        _run.progress.update(*news, now)
+        stage, fraction = news
+        _run.progress.update(stage, fraction, now)
     shown = (_run.job.stopping, _run.progress.label, round(_run.progress.fraction, 2), round(_run.progress.left(now)))
     changed, _run.shown = shown != _run.shown, shown
     return changed

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import bpy
 
 from ...core.errors import InputError
@@ -75,6 +77,7 @@ def compute(context, force=False):
         else:
             task, again = completing.take(context, hidden=False), chosen.is_again(context)
             _latest = summarise(task.reading.curves, task.edge_length, task.parameters, len(task.sources), again)
+            _latest = replace(_latest, left_out=task.left_out.words())
     except InputError as error:
         _latest = str(error)
     return _latest

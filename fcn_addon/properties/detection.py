@@ -38,7 +38,7 @@ FCN_PG_detection = type(
         "__doc__": "How feature curves are detected, made from `DetectionParameters`.",
         "__annotations__": {
             **{name: BoolProperty(name=n, description=d, default=on) for name, (on, n, d) in KINDS.items()},
-            **from_parameters.annotations(DetectionParameters, {}),
+            **from_parameters.properties_of(DetectionParameters, {}),
             "use_copy": COPY,
             "faces": FACES,
         },

@@ -8,10 +8,11 @@ from math import degrees, inf, radians
 
 from bpy.props import FloatProperty, IntProperty
 
-from ...core.parameters import COUNT, DEGREES
+from ...core.detection.parameters import DEGREES
+from ...core.parameters import COUNT
 
 
-def annotations(of, labels, update=None) -> dict:
+def properties_of(of, labels, update=None) -> dict:
     """A property for each field, with its default, bounds and words.
 
     labels : field name -> its name in the interface, where it is not that of the field

@@ -6,34 +6,30 @@ from __future__ import annotations
 from dataclasses import fields
 
 import bpy
-from bpy.props import (
-    EnumProperty,
-    FloatProperty,
-    PointerProperty,
-)
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, PointerProperty
 from bpy.types import PropertyGroup
 
-from ..core.parameters import EDGES, Parameters
-from . import detection_properties, numbers, results, summary
+from ...core.parameters import EDGES, Parameters
+from ..detected.kept import FCN_PG_curves
+from ..registration import register_classes, unregister_classes
+from ..result import stored
+from . import changes, from_parameters
+from .detection import FCN_PG_detection
 
 LABELS = {
     "l0": "Shortest Match",
+    "short_l0": "Shortest Second Match",
     "s": "Match Distance",
     "t": "Extended Distance",
     "delta_l": "Extension Step",
     "strong_curvature": "Strong Curvature",
-    "bin_translation": "Bin Size",
-    "bin_rotation": "Bin Angle",
-    "cluster_translation": "Cluster Distance",
-    "cluster_rotation": "Cluster Angle",
     "bayes_ratio": "Bayes Ratio",
-    "keep_length": "Keep Length",
-    "keep_curvature": "Keep Curvature",
+    "keep_odds": "Keep Odds",
     "smoothing": "Smoothing",
     "link_gap": "Largest Gap",
     "epsilon": "Feature Radius",
-    "margin": "Margin",
-    "join": "Join Gap",
+    "thing_margin": "Search Margin",
+    "thing_gap": "Gap Within Things",
     "significance": "Significance",
     "block": "Block Size",
     "threads": "Threads",
@@ -46,7 +42,7 @@ FCN_PG_parameters = type(
     (PropertyGroup,),
     {
         "__doc__": "The parameters of the method, made from `Parameters`.",
-        "__annotations__": numbers.annotations(Parameters, LABELS, summary.update),
+        "__annotations__": from_parameters.properties_of(Parameters, LABELS, changes.update),
     },
 )
 
@@ -58,20 +54,20 @@ def in_edges() -> set[str]:
 
 def parameters(group) -> Parameters:
     """The validated parameters of the method from their properties."""
-    return numbers.read(group, Parameters)
+    return from_parameters.read(group, Parameters)
 
 
 def set_parameters(group, values):
     """Write a `Parameters` to its properties."""
-    numbers.write(group, values)
+    from_parameters.write(group, values)
 
 
 def _has_faces(_, item):
-    return item.type == "MESH" and len(item.data.polygons) > 0
+    return item.type == "MESH" and (len(item.data.polygons) > 0 or len(item.modifiers) > 0)
 
 
 def _is_result_here(settings, item):
-    return item.fcn_result.is_result and item in results.of_scene(settings.id_data)
+    return item.fcn_result.is_result and item in stored.of_scene(settings.id_data)
 
 
 class FCN_PG_settings(PropertyGroup):
@@ -84,14 +80,24 @@ class FCN_PG_settings(PropertyGroup):
             ("SELECTION", "Selection", "The selected edge meshes and curve objects"),
             ("COLLECTION", "Collection", "All edge meshes and curve objects of a collection and of those inside it"),
         ),
-        update=summary.update,
+        update=changes.update,
     )
     collection: PointerProperty(
         type=bpy.types.Collection,
         name="Collection",
         description="The collection that holds the curves",
         poll=lambda _, item: not item.fcn_result.is_result,
-        update=summary.update,
+        update=changes.update,
+    )
+    use_hidden: BoolProperty(
+        name="Hidden Objects",
+        description="Take objects of the collection that are hidden too",
+        update=changes.update,
+    )
+    take_edges: BoolProperty(
+        name="Loose Edges",
+        description="Take the loose edges of meshes that have faces too as curves. Without it such a mesh is a scan",
+        update=changes.update,
     )
     edge_length_from: EnumProperty(
         name="Edge Length",
@@ -101,14 +107,14 @@ class FCN_PG_settings(PropertyGroup):
             ("SCAN", "From Scan", "Measure it on the scan that the curves come from"),
             ("VALUE", "Value", "Type it in"),
         ),
-        update=summary.update,
+        update=changes.update,
     )
     scan: PointerProperty(
         type=bpy.types.Object,
         name="Scan",
         description="The mesh that the curves come from; only its mean edge length is taken",
         poll=_has_faces,
-        update=summary.update,
+        update=changes.update,
     )
     edge_length: FloatProperty(
         name="Edge Length",
@@ -119,7 +125,7 @@ class FCN_PG_settings(PropertyGroup):
         soft_max=1.0,
         precision=4,
         step=0.1,
-        update=summary.update,
+        update=changes.update,
     )
     earlier: EnumProperty(
         name="Earlier Result",
@@ -136,30 +142,23 @@ class FCN_PG_settings(PropertyGroup):
         poll=_is_result_here,
     )
     parameters: PointerProperty(type=FCN_PG_parameters)
-    detection: PointerProperty(type=detection_properties.FCN_PG_detection)
+    detection: PointerProperty(type=FCN_PG_detection)
 
 
 CLASSES = (
-    *detection_properties.CLASSES,
+    FCN_PG_detection,
+    FCN_PG_curves,
     FCN_PG_parameters,
-    results.FCN_PG_transformation,
-    results.FCN_PG_result,
+    stored.FCN_PG_transformation,
+    stored.FCN_PG_result,
     FCN_PG_settings,
 )
 
 
 def register():
-    done = []
-    try:
-        for cls in CLASSES:
-            bpy.utils.register_class(cls)
-            done.append(cls)
-    except BaseException:
-        for cls in reversed(done):
-            bpy.utils.unregister_class(cls)
-        raise
-    bpy.types.Collection.fcn_result = PointerProperty(type=results.FCN_PG_result)
-    bpy.types.Object.fcn_curves = PointerProperty(type=detection_properties.FCN_PG_curves)
+    register_classes(CLASSES)
+    bpy.types.Collection.fcn_result = PointerProperty(type=stored.FCN_PG_result)
+    bpy.types.Object.fcn_curves = PointerProperty(type=FCN_PG_curves)
     bpy.types.Scene.fcn = PointerProperty(type=FCN_PG_settings)
 
 
@@ -167,5 +166,4 @@ def unregister():
     del bpy.types.Scene.fcn
     del bpy.types.Object.fcn_curves
     del bpy.types.Collection.fcn_result
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+    unregister_classes(CLASSES)

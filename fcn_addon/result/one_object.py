@@ -8,7 +8,8 @@ import numpy as np
 
 from ...core.errors import InputError
 from .. import colours
-from ..scene import curve_data, reader
+from ..reading import reader
+from ..scene import curve_data
 from . import stored
 
 LABELS = ("template", "component", "occurrence")
@@ -29,7 +30,7 @@ def make(root, context, kind):
     objects = visible_curves(root)
     if not objects:
         raise InputError("no completed curve is visible; switch the view to Result")
-    read = reader.read_objects(objects, context.evaluated_depsgraph_get())
+    read = reader.read_curves(objects, context.evaluated_depsgraph_get())
     curves = read.reading.curves
     support = np.array([o["support"] for o in objects], np.float32)
     values = {"support": support, **{n: np.array([o[n] for o in objects], np.int32) for n in LABELS}}

@@ -64,6 +64,7 @@ class FCN_PG_result(PropertyGroup):
     templates: IntProperty(name="Templates")
     occurrences: IntProperty(name="Occurrences")
     strong: IntProperty(name="Strong Curves")
+    left_out: StringProperty(name="Left Out", description="What of the chosen objects was not taken, and why")
     noise: IntProperty(name="Noise", description="Input curves that were dropped")
     parameters: StringProperty(description="The parameters of the run, as JSON")
     view: EnumProperty(
@@ -95,8 +96,8 @@ def describe(root, completion, run, length):
 
     Parameters
     ----------
-    root : Collection that `scene_writer.write` made
-    run : has label, objects (names) and parameters
+    root : Collection that `writer.write` made
+    run : has label, sources, parameters and left_out
     length : turns a length into words
     """
     result = root.fcn_result
@@ -109,6 +110,7 @@ def describe(root, completion, run, length):
     result.templates = len(completion.templates)
     result.occurrences = sum(len(t.occurrences) for t in completion.templates)
     result.strong = len(completion.strong)
+    result.left_out = run.left_out.words()
     result.noise = int(np.count_nonzero(completion.inputs.kind == "noise"))
     homes = {c["transformation"]: c for c in child(root, "templates").children}
     named = titles(completion.transformations, length)

@@ -6,6 +6,11 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
+STRENGTH = "curvature"  # a float attribute of the points, 1 / length
+KIND = "kind"  # an int attribute of the points of detected curves, index into core.detection.KINDS
+NORMAL = "surface_normal"  # a vector attribute of theirs, the normal of the scan
+EDGE_LENGTH = "edge_length"  # a custom property of detected curves: the mean edge length of their scan
+
 
 def curve_data(name, polylines, closed):
     """Curve data with a poly spline each; without bevel."""

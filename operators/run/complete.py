@@ -36,10 +36,13 @@ def describe(result) -> str:
     text = rpt_(
         "{transformations} transformations, {templates} templates at {places} places, {strong} strong curves; {time}"
     )
-    return text.format(
+    said = text.format(
         transformations=len(result.transformations),
         templates=result.templates,
         places=result.occurrences,
         strong=result.strong,
         time=duration(result.seconds),
     )
+    if result.left_out:
+        said += "; " + rpt_("left out: {objects}").format(objects=result.left_out)
+    return said

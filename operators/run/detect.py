@@ -28,4 +28,6 @@ class FCN_OT_detect(Background, bpy.types.Operator):
     def _finished(self, item):
         text = rpt_("{count} feature curves in {name!r}")
         self.report({"INFO"}, text.format(count=item.fcn_curves.total, name=item.name))
+        if item.fcn_curves.remarks:
+            self.report({"WARNING"}, item.fcn_curves.remarks)
         return {"FINISHED"}

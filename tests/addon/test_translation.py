@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parent.parent.parent
-SHOWN = ("job/session.py", "job/completing.py", "job/detecting.py", "scene/reader.py", "scene/edge_length.py")
+SHOWN = ("job/session.py", "job/completing.py", "job/detecting.py", "reading/reader.py", "reading/edge_length.py")
 FILES = sorted(
     [*(ROOT / "operators").rglob("*.py"), *(ROOT / "ui").glob("*.py"), *(ROOT / "fcn_addon" / n for n in SHOWN)]
 )

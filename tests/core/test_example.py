@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from core.files.obj import read_obj
+from core.files.readers.obj import read_obj
 from core.pipeline import complete
 from examples.make_example import EDGE_LENGTH, PETALS, example_network, example_scene
 from tests import naive

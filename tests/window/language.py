@@ -18,7 +18,7 @@ GERMAN = {
     "{strong:,} strong curves": "{strong:,} starke Kurven",
     "{curves:,} curves of 1 object": "Aus 1 Objekt: {curves:,} Kurven",
     "Select curves or edge meshes": "Kurven oder Kantennetze auswählen",
-    "object {name!r} has no edges; choose the scan that the curves come from": "{name!r} hat keine Kanten",
+    "object {name!r} has no faces; choose the scan that the curves come from": "{name!r} hat keine Flächen",
 }
 WORDS = {"de_DE": {(context, text): word for text, word in GERMAN.items() for context in ("*", "Operator")}}
 
@@ -66,9 +66,9 @@ def session(driver):
     try:
         bpy.ops.fcn.complete()
     except RuntimeError as error:
-        assert "'Points' hat keine Kanten" in str(error), error
+        assert "'Points' hat keine Flächen" in str(error), error
     else:
-        raise AssertionError("a scan without edges was taken")
+        raise AssertionError("a scan without faces was taken")
     settings.edge_length_from = "ESTIMATE"
     bpy.ops.object.select_all(action="DESELECT")
     yield lambda: shows("Kurven oder Kantennetze auswählen")

@@ -7,6 +7,7 @@ import json
 import os
 import signal
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,18 +19,6 @@ def folder(tmp_path, monkeypatch, arcs):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "in.obj").write_text(arcs())
     return tmp_path
-
-
-@pytest.fixture
-def fcn(bpy, part, capsys):
-    """Run the command; exit code and what went to stderr."""
-    main = part("fcn_addon.command.run").main
-
-    def run(*arguments):
-        code = main([str(a) for a in arguments])
-        return code, capsys.readouterr().err
-
-    return run
 
 
 def test_everything_it_can_write(folder, fcn, bpy):
@@ -98,7 +87,7 @@ CASES = [
     (["garbage.ply"], "garbage.ply: no PLY header"),
     (["garbage.txt"], "garbage.txt: this is binary data"),
     (["nan.obj"], "nan.obj: line 2: 'nan' is not finite"),
-    (["in.xyz"], "a .xyz file cannot be read; give one of .blend, .glb, .obj, .ply, .stl, .txt"),
+    (["in.xyz"], "a .xyz file cannot be read; give one of .abc, .blend, .cgal, .dae, .dxf, .fbx, .glb"),
     (["in.obj", "--l0", "x"], "--l0: 'x' is not a number"),
     (["in.obj", "--l0", "1"], "l0 is 1.0: give a number of at least 4 (edge lengths)"),
     (["in.obj", "--l0", "nan"], "l0 is nan"),
@@ -109,7 +98,7 @@ CASES = [
     (["in.obj", "--edge-length", "1", "--surface", "in.obj"], "not allowed with"),
     (["in.obj", "--surface", "in.obj"], "in.obj: no faces"),
     (["in.obj", "--bogus"], "unrecognized arguments: --bogus"),
-    (["in.obj", "--object", "X"], "choose from a .blend"),
+    (["in.obj", "--object", "X"], "chooses from a .blend"),
     (["in.obj", "--out", "r.obj"], "r.obj: --out writes a .blend file"),
     (["in.obj", "--report", "no/r.json"], "no/r.json: cannot be written (No such file or directory)"),
     (["in.obj", "--report", "dir.json"], "dir.json: cannot be written, it is a folder"),
@@ -140,7 +129,7 @@ def test_names_that_a_blend_file_does_not_have(folder, fcn, bpy):
     for arguments, message in [
         (["--object", "Q"], "a.blend: no object 'Q'"),
         (["--collection", "Q"], "a.blend: no collection 'Q'"),
-        ([], "a.blend: no edge mesh or curve object in its scene, nor a scan"),
+        ([], "a.blend: the scene shows no curves and no faces"),
     ]:
         code, said = fcn("a.blend", *arguments)
         assert (code, said.count("\n")) == (2, 1) and message in said
@@ -162,6 +151,23 @@ def test_no_strong_curve_suggests_l0(folder, fcn, text, message):
     code, said = fcn("weak.obj", "--edge-length", "0.1", "--report", "r.json", "--quiet")
     assert (code, said.count("\n")) == (2, 1) and message in said and "l0" in said
     assert not (folder / "r.json").exists()
+
+
+@pytest.mark.parametrize("length", [0.2, 0.5, 0.9, 2.0])
+def test_the_advice_works_when_it_is_tried(folder, fcn, length):
+    (folder / "weak.obj").write_text(f"v 0 0 0\nv {length / 2} 0 0\nv {length} 0 0\nl 1 2 3\n")
+    code, said = fcn("weak.obj", "--edge-length", "0.1")
+    assert code == 2
+    edge_length = said.partition("an edge length of ")[2].split()[0]
+    assert fcn("weak.obj", "--edge-length", edge_length)[0] == 0
+    assert ("try l0" in said) == (length > 0.4)
+    if "try l0" in said:
+        assert fcn("weak.obj", "--edge-length", "0.1", "--l0", said.partition("try l0 = ")[2].split(",")[0])[0] == 0
+
+
+def test_an_edge_length_from_drawn_lines_is_said_to_be_coarse(folder, fcn):
+    (folder / "in.obj").write_text(as_obj(window_row(), joined=True))
+    assert "coarse: the middle of segments that are 0.312 to" in fcn("in.obj")[1]
 
 
 def test_l0_that_is_longer_than_all_curves(folder, fcn):
@@ -283,3 +289,111 @@ def test_a_disk_that_is_full_is_no_fault_of_the_program(folder, part):
                     raise OSError(28, "No space left on device")
                 file.write("x" * 100000)
     assert os.listdir() == ["in.obj"]
+
+
+CASES_FOLDER = Path(__file__).resolve().parents[4] / "shared" / "cases" / "files"
+
+
+def window_row(count=6):
+    """(k, 2, 3) segments of a row of windows, as a drawing program has them: corner to corner."""
+    t = np.linspace(0, np.pi, 9)
+    outline = [(-0.8, 2.2), (-0.8, 0), (0.8, 0), (0.8, 2.2), *zip(0.8 * np.cos(t)[1:], 2.2 + 0.8 * np.sin(t)[1:])]
+    inner = [(-0.4, 0.2), (-0.4, 1.76), (0.16, 2.09), (0.56, 1.1), (0.56, 0.2)]
+    out = []
+    for i in range(count):
+        for line in (outline, inner):
+            for (a, b), (c, d) in zip(line[:-1], line[1:]):
+                out.append([(a + 2.7 * i, 0, b), (c + 2.7 * i, 0, d)])
+    return np.array(out)
+
+
+def as_obj(segments, joined):
+    rows, known, lines = [], {}, []
+    for segment in np.round(segments, 6).tolist():
+        index = []
+        for point in map(tuple, segment):
+            if not joined or point not in known:
+                rows.append("v {} {} {}".format(*point))
+                known[point] = len(rows)
+            index.append(known[point])
+        lines.append("l {} {}".format(*index))
+    return "\n".join([*rows, *lines]) + "\n"
+
+
+def places(path):
+    return [len(t["occurrences"]) for t in json.loads(path.read_text())["templates"]]
+
+
+def test_lines_with_points_of_their_own_give_what_joined_ones_give(folder, fcn):
+    segments = window_row()
+    reports = []
+    for joined in (True, False):
+        (folder / "in.obj").write_text(as_obj(segments, joined))
+        assert fcn("in.obj", "--edge-length", "0.2", "--report", "r.json", "--quiet") == (0, "")
+        report = json.loads((folder / "r.json").read_text())
+        kinds = [(i["kind"], i["component"]) for i in report["inputs"]]
+        reports.append((places(folder / "r.json"), kinds, len(report["curves"])))
+    assert reports[0] == reports[1] and reports[0][0] and len(reports[0][1]) == 12
+
+
+def test_weld_says_how_near_ends_are_one(folder, fcn):
+    segments = window_row() + np.random.default_rng(0).uniform(-0.01, 0.01, (1, 1, 1))
+    segments[::2, 1, 1] += 0.015  # every second line ends beside the next one
+    (folder / "in.obj").write_text(as_obj(segments, joined=False))
+    code, said = fcn("in.obj", "--edge-length", "0.2", "--weld", "0.1", "--report", "r.json")
+    assert code == 0 and said.startswith("12 curves, 96 points")
+    assert "12 curves" not in fcn("in.obj", "--edge-length", "0.2")[1]
+    assert fcn("in.obj", "--weld=-1")[0] == 2
+
+
+def test_a_drawing_in_and_a_drawing_out(folder, fcn):
+    ezdxf = pytest.importorskip("ezdxf")
+    document = ezdxf.new(units=4)
+    for a, b in window_row().tolist():
+        document.modelspace().add_line(a, b)
+    document.saveas(folder / "in.dxf")
+    assert fcn("in.dxf", "--edge-length", "0.2", "--report", "r.json", "--curves", "r.dxf", "--quiet") == (0, "")
+    made = ezdxf.readfile(folder / "r.dxf")
+    assert not made.audit().errors and made.units == 4
+    count = sum(places(folder / "r.json"))
+    assert len(made.modelspace().query("INSERT")) == count > 1
+    assert fcn("in.dxf", "--edge-length", "0.2", "--curves", "r.svg", "--quiet") == (0, "")
+    assert (folder / "r.svg").read_text().count("<use ") == count
+    # what was written is read: blocks are put in where they stand
+    assert fcn("r.dxf", "--edge-length", "0.2", "--report", "again.json", "--quiet") == (0, "")
+    assert places(folder / "again.json")
+
+
+def test_inputs_without_curves_are_passed_over_until_all_are(folder, fcn):
+    (folder / "points.obj").write_text("v 0 0 0\nv 1 0 0\n")
+    (folder / "cloud.txt").write_text("0.1 0.2 0.3\n0.4 0.5 0.6\n")
+    code, said = fcn("points.obj", "in.obj", "cloud.txt", "--edge-length", "0.1", "--report", "r.json")
+    assert code == 0
+    assert "passed over: points.obj: no `l` lines" in said and "passed over: cloud.txt: this is a point cloud" in said
+    assert json.loads((folder / "r.json").read_text())["input"]["curves"] == 5
+    code, said = fcn("points.obj", "cloud.txt")
+    assert (code, said.count("\n")) == (2, 1)
+    assert "no input has curves: points.obj: no `l`" in said and "cloud.txt: this is a point cloud" in said
+    (folder / "cut.obj").write_text("v 0 0 0\nl 1 9\n")
+    assert fcn("in.obj", "cut.obj")[0] == 2  # damage is no lack of curves
+
+
+def test_the_written_curves_are_where_the_report_says_far_from_the_origin(folder, fcn, arcs, part):
+    (folder / "in.obj").write_text(arcs(shift=5e6))
+    assert fcn("in.obj", "--edge-length", "0.1", "--report", "r.json", "--curves", "r.obj", "--quiet") == (0, "")
+    wanted = np.concatenate([c["points"] for c in json.loads((folder / "r.json").read_text())["curves"]])
+    text = (folder / "r.obj").read_text().splitlines()
+    found = np.array([line.split()[1:] for line in text if line.startswith("v ")], float)
+    assert np.array_equal(found, wanted)
+    pytest.importorskip("ezdxf")
+    assert fcn("in.obj", "--edge-length", "0.1", "--curves", "r.dxf", "--quiet") == (0, "")
+    drawn = part("core.files.formats").read_lines(folder / "r.dxf").curves.points
+    far = [np.abs(wanted - p).max(axis=1).min() for p in drawn[:: max(len(drawn) // 50, 1)]]
+    assert max(far) < 1e-9 * max(np.ptp(wanted, axis=0).max(), 10.0)
+
+
+@pytest.mark.skipif(not CASES_FOLDER.exists(), reason="the cases are not here")
+@pytest.mark.parametrize("name", ["cad_lines.obj", "mixed.obj", "row.polylines.txt"])
+def test_cases_of_a_row_of_windows(folder, fcn, name):
+    code, said = fcn(CASES_FOLDER / name, "--report", "r.json", "--quiet")
+    assert (code, said) == (0, "") and places(folder / "r.json") == [6]

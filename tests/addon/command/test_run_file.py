@@ -41,8 +41,15 @@ def test_with_blenders_module_a_blend_file_is_written(tmp_path, arcs):
     ("arguments", "blocked", "message"),
     [
         (["no.obj"], [], "error: no.obj: no such file; check the path\n"),
-        (["no.obj", "--out", "r.blend"], ["bpy"], "error: a .blend file needs Blender: use `blender -b -P run.py"),
-        (["no.blend"], ["bpy"], "error: a .blend file needs Blender"),
+        (
+            ["no.obj", "--out", "r.blend"],
+            ["bpy"],
+            "error: r.blend: a .blend file needs Blender: use `blender -b -P run.py",
+        ),
+        (["no.blend"], ["bpy"], "error: no.blend: a .blend file needs Blender"),
+        (["no.glb"], ["bpy"], "error: no.glb: a .glb file needs Blender: use `blender -b -P run.py"),
+        (["no.dxf"], ["ezdxf"], "error: DXF needs ezdxf: `pip install ezdxf` for the Python that runs this"),
+        (["no.obj", "--curves", "r.dxf"], ["ezdxf"], "error: DXF needs ezdxf"),
         (["no.obj", "--figure", "r.png"], ["matplotlib"], "error: --figure needs matplotlib: `pip install matplotlib`"),
         (["no.obj"], ["numpy"], "error: numpy is missing: `pip install numpy scipy` gets both\n"),
     ],

@@ -399,7 +399,7 @@ def test_hidden_sources_are_evaluated_for_a_run(bpy, part, wall):
     bpy.context.scene.collection.children.link(collection)
     collection.objects.link(wall)
     settings = bpy.context.scene.fcn
-    settings.source, settings.collection = "COLLECTION", collection
+    settings.source, settings.collection, settings.use_hidden = "COLLECTION", collection, True
     wall.hide_set(True)
     bpy.context.view_layer.update()
     assert part("fcn_addon.job.completing").take(bpy.context).reading.count == 12
@@ -409,7 +409,7 @@ def test_hidden_sources_are_evaluated_for_a_run(bpy, part, wall):
 def test_the_method_itself_gives_a_result(bpy, part):
     """The whole way with the real method: the example's windows, one row of them."""
     path = part("fcn_addon.installation").ROOT / "examples" / "facade.obj"
-    read = part("core.files.reading").read_curves([str(path)]).curves
+    read = part("core.files.formats").read_curves([str(path)]).curves
     kept = [i for i in range(len(read)) if read.curve(i)[:, 2].mean() < 2.5]
     mesh = bpy.data.meshes.new("Row")
     vertices = np.concatenate([read.curve(i) for i in kept])
@@ -455,3 +455,19 @@ def test_ten_thousand_objects_in_time(bpy, part, wall, completion, monkeypatch):
     print(f"10,000 objects: {taken:.2f} s, half of them hidden by support: {hiding:.2f} s")
     # Docs have what they take; these bounds are for busy machines, and find what grows with the square.
     assert taken < 15 and hiding < 8
+
+
+def test_edges_that_share_no_vertex_are_one_curve(bpy, part):
+    """As drawing programs leave them: each edge has vertices of its own."""
+    along = np.linspace(0, 3, 40)
+    line = np.c_[along, np.sin(2 * along), np.cos(3 * along)]
+    pairs = np.stack([line[:-1], line[1:]], axis=1).reshape(-1, 3)
+    mesh = bpy.data.meshes.new("Lines")
+    mesh.from_pydata(pairs.tolist(), [(2 * i, 2 * i + 1) for i in range(39)], [])
+    item = bpy.data.objects.new("Lines", mesh)
+    bpy.context.scene.collection.objects.link(item)
+    item.select_set(True)
+    task = part("fcn_addon.job.completing").take(bpy.context)
+    assert len(task.reading.curves) == 1
+    assert np.allclose(task.reading.curves.points, line, atol=1e-6)
+    assert task.reading.count == len(task.owner) == 39  # input curves stay what they were

@@ -158,7 +158,7 @@ def test_a_smaller_copy_is_gone_afterwards(bpy, part, scan):
     settings = bpy.context.scene.fcn.detection
     settings.use_copy, settings.faces = True, 2500
     before, names = world(scan), [o.name for o in bpy.data.objects]
-    points, triangles = part("fcn_addon.scene.working_copy").read(scan, bpy.context, 2500)
+    points, triangles = part("fcn_addon.reading.working_copy").read(scan, bpy.context, 2500)
     assert 2000 < len(triangles) < 2600 < len(scan.data.polygons)
     assert points[:, 0].min() == pytest.approx(100, abs=1)
     assert [o.name for o in bpy.data.objects] == names and len(bpy.data.meshes) == 1

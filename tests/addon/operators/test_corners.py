@@ -34,7 +34,7 @@ def into_collection(bpy, item, name="Walls"):
 
 
 @pytest.mark.parametrize("how", ["excluded", "eye of the object", "object", "eye of the collection", "collection"])
-def test_a_source_that_is_hidden_is_evaluated_all_the_same(bpy, part, wall, work, how):
+def test_a_hidden_source_is_left_out_unless_asked_for_and_evaluated_then(bpy, part, wall, work, how):
     home = into_collection(bpy, wall)
     layer = bpy.context.view_layer.layer_collection.children[home.name]
     wall.modifiers.new("Array", "ARRAY").count = 3
@@ -55,6 +55,10 @@ def test_a_source_that_is_hidden_is_evaluated_all_the_same(bpy, part, wall, work
         flags = wall.hide_viewport, home.hide_viewport, layer.exclude, layer.hide_viewport
         return hidden, flags, len(bpy.data.collections), [c.name for c in wall.users_collection]
 
+    assert bpy.context.scene.fcn.source == "COLLECTION"
+    with pytest.raises(part("core.errors").InputError, match="All curves of the collection are hidden"):
+        part("fcn_addon.job.completing").take(bpy.context)
+    bpy.context.scene.fcn.use_hidden = True
     before = state()
     assert part("fcn_addon.job.completing").take(bpy.context).reading.count == 12
     assert state() == before

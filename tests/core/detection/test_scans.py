@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 
 from benchmarks.detection import polylines, sampled
 from core.detection import KINDS, TriangleMesh, detect
-from core.files.reading import read_surface
+from core.files.formats import read_surface
 from examples import make_scan
 
 DATA = Path(__file__).resolve().parents[4] / "shared" / "data"

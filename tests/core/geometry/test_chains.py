@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from core.geometry.chains import chains_of_edges, split_paths
+from core.geometry.chains import chains_of_edges
 
 EDGES = st.lists(st.tuples(st.integers(0, 11), st.integers(0, 11)), max_size=30)
 
@@ -86,35 +86,6 @@ def test_a_long_loop_in_any_order_of_its_edges():
     assert len(chains) == 1 and chains.closed[0]
     steps = np.diff(np.r_[chains.vertices, chains.vertices[0]]) % n
     assert set(steps.tolist()) in ({1}, {n - 1})
-
-
-def paths(*vertices):
-    return np.concatenate(vertices), np.cumsum([0, *map(len, vertices)])
-
-
-def test_paths_that_do_not_meet_stay_whole():
-    chains = split_paths(*paths([0, 1, 2], [5, 6, 7, 8, 5], [9, 10]))
-    assert lists(chains) == [([0, 1, 2], False, 0), ([5, 6, 7, 8], True, 1), ([9, 10], False, 2)]
-
-
-def test_a_path_is_cut_where_another_ends_in_it():
-    chains = split_paths(*paths([0, 1, 2, 3], [2, 5]))
-    assert lists(chains) == [([0, 1, 2], False, 0), ([2, 3], False, 0), ([2, 5], False, 1)]
-
-
-def test_paths_that_cross_are_both_cut_and_ends_that_meet_are_not_joined():
-    chains = split_paths(*paths([0, 1, 2], [3, 1, 4], [4, 6]))
-    assert [(v, s) for v, _, s in lists(chains)] == [([0, 1], 0), ([1, 2], 0), ([3, 1], 1), ([1, 4], 1), ([4, 6], 2)]
-
-
-def test_the_same_path_twice_is_two_curves():
-    assert [(v, s) for v, _, s in lists(split_paths(*paths([0, 1, 2], [2, 1, 0])))] == [([0, 1, 2], 0), ([2, 1, 0], 1)]
-
-
-def test_a_loop_is_cut_at_its_junctions_only():
-    ring = [7, 8, 9, 10, 7]
-    assert lists(split_paths(*paths(ring, [9, 20])))[0] == ([9, 10, 7, 8], True, 0)
-    assert lists(split_paths(*paths(ring, [9, 20], [8, 21])))[:2] == [([8, 9], False, 0), ([9, 10, 7, 8], False, 0)]
 
 
 def test_the_input_is_not_changed():

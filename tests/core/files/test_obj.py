@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from core.errors import InputError
-from core.files.obj import write_obj
-from core.files.reading import mean_edge_length, read_curves, read_surface
+from core.files.formats import Content, content, mean_edge_length, read_curves, read_surface
+from core.files.writers.obj import write_obj
 
 SQUARE = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
 
@@ -29,7 +29,9 @@ def curves(path):
 def test_every_line_is_one_curve(obj):
     read = read_curves([obj(SQUARE + "l 1 2 3\nl 3 4 1\n")])
     assert read.count == 2
-    assert read.curves.source.tolist() == [0, 1]  # ends that meet are not joined
+    assert read.curves.closed.tolist() == [True]  # where nothing else meets them they go on as one
+    assert read.shares.line.tolist() == [0, 1]
+    assert read.shares.length.tolist() == [2, 2]
 
 
 def test_a_line_that_is_met_inside_is_cut_and_remembers_its_source(obj):
@@ -77,18 +79,18 @@ def test_weights_and_colours_of_points_are_ignored(obj):
 def test_zero_length_edges_and_isolated_points_go(obj):
     text = "v 0 0 0\nv 0 0 0\nv 1 0 0\nv 7 7 7\nv 1 0 0\nl 1 2 3\nl 3 5\nl 1 2 3 5 1\n"
     read = read_curves([obj(text)])
-    assert [read.curves.curve(i).tolist() for i in range(len(read.curves))] == [[[0, 0, 0], [1, 0, 0]]] * 2
-    assert read.count == 3  # the second has no length, but it is an input curve all the same
-    assert read.curves.source.tolist() == [0, 2]
+    assert [read.curves.curve(i).tolist() for i in range(len(read.curves))] == [[[0, 0, 0], [1, 0, 0]]]
+    assert read.count == 2  # a single edge without a length is nothing
+    assert read.shares.line.tolist() == [0, 1]  # the second goes there and back where the first is
     assert not read.curves.closed.any()  # two points close nothing
 
 
 def test_several_files_are_one_network(obj):
-    a, b = obj(SQUARE + "l 1 2 3\nl 4 4\n", "a.obj"), obj(SQUARE + "l 1 2 3 4\n", "b.obj")
+    a, b = obj(SQUARE + "l 1 2 3\nl 4 4 4\n", "a.obj"), obj(SQUARE + "l 1 2 3 4\n", "b.obj")
     read = read_curves([a, b])
     assert read.count == 3
-    assert read.curves.source.tolist() == [0, 2]
-    assert read.curves.offsets.tolist() == [0, 3, 7]
+    assert read.shares.line.tolist() == [0, 2]  # what is in both files is there once
+    assert read.curves.points[:, :2].tolist() == [[0, 0], [1, 0], [1, 1], [0, 1]]
 
 
 def test_far_coordinates_keep_their_digits(obj):
@@ -147,3 +149,58 @@ def test_a_surface_of_mixed_polygons(obj):
     assert triangles.tolist() == [[0, 1, 2], [0, 2, 3], [3, 2, 4]]
     diagonal, side = 2**0.5, (0.25 + 1) ** 0.5
     assert mean_edge_length(points, triangles) == pytest.approx((4 + diagonal + 2 * side) / 7)
+
+
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "utf-16-le", "utf-32"])
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_any_unicode_and_any_line_end(obj, encoding, end):
+    text = ("\ufeff" if encoding == "utf-16-le" else "") + "# \u00dcberzug\n" + SQUARE + "l 1 2 3\n"
+    assert curves(obj(text.replace("\n", end).encode(encoding))) == [[[0, 0, 0], [1, 0, 0], [1, 1, 0]]]
+
+
+def test_faces_of_two_corners_are_edges(obj):
+    path = obj(SQUARE + "f 1 2\nf 3/1 2/4\n")
+    assert curves(path) == [[[0, 0, 0], [1, 0, 0], [1, 1, 0]]]
+    assert content(path) == Content(faces=False, curves=True)
+    assert content(obj(SQUARE + "f 1 2 3\nf 1 4\n")) == Content(faces=True, curves=True)
+    for face in ("f 1 2 \\\n3", "f \\\n1 2 3", "f 1 2 3 # three", "  f\t1/1/1 2/2/2 3/3/3", "f 1 2 3\r"):
+        assert content(obj(SQUARE + face + "\n")) == Content(faces=True, curves=False)
+    assert content(obj((SQUARE + "f 1 2 3\nl 1 4\n").replace("\n", "\r"))) == Content(faces=True, curves=True)
+    assert content(obj(SQUARE + "f 1 2 # two\n")) == Content(faces=False, curves=True)
+
+
+def test_single_edges_and_a_longer_line_are_one_network(obj):
+    read = read_curves([obj(SQUARE + "v 0 3 0\nv 0 4 0\nl 1 2\nl 3 2\nl 3 4 5\nl 5 6\n")])
+    assert len(read.curves) == 1 and len(read.curves.points) == 6
+    assert read.count == 2  # what the edges make, and the line
+
+
+def test_points_and_continuations_with_spaces_and_comments(obj):
+    text = "# C:\\scans\\\n" + SQUARE + "p 1 2\nl 1 \\  \n  2 \\\n 3\n"
+    assert curves(obj(text)) == [[[0, 0, 0], [1, 0, 0], [1, 1, 0]]]
+
+
+@pytest.mark.parametrize("statement", ["curv 0 1 1 2 3 4", "  curv 0 1 -1 -2"])
+def test_free_form_curves_are_refused_by_name(obj, statement):
+    with pytest.raises(InputError, match=r"line 6: free-form curves \(`curv`\) are not read; convert"):
+        read_curves([obj(SQUARE + "l 1 2\n" + statement + "\n")])
+    with pytest.raises(InputError, match="free-form surfaces"):
+        read_surface(obj(SQUARE + "f 1 2 3\nsurf 0 1 0 1 1 2 3 4\n"))
+
+
+def test_a_concave_polygon_is_not_a_fan(obj):
+    points, triangles = read_surface(obj("v 0 0 0\nv 4 0 0\nv 4 3 0\nv 2 1 0\nv 0 3 0\nf 3 4 5 1 2\n"))
+    a, b, c = (points[triangles[:, i]] for i in range(3))
+    areas = np.cross(b - a, c - a)[:, 2] / 2
+    assert areas.min() > 0 and areas.sum() == pytest.approx(8)
+
+
+def test_all_digits_are_written(tmp_path):
+    points = np.array([[4.5e5 + 1 / 3, 5.4e6 + 1 / 7, 1 / 9], [1e-9, -0.1, 2e17]])
+    write_obj(tmp_path / "out.obj", [points], [False])
+    assert np.array_equal(read_curves([tmp_path / "out.obj"]).curves.points, points)
+
+
+def test_a_long_word_makes_no_wide_table(obj):
+    with pytest.raises(InputError, match="line 5"):
+        read_curves([obj(SQUARE + "v " + "1" * 100_000 + " 0 0\n" + "l 1 2\n" * 1000)])

@@ -4,8 +4,8 @@
 import numpy as np
 import pytest
 
-from core.errors import InputError
-from core.files.reading import read_curves
+from core.errors import InputError, NoCurves
+from core.files.formats import read_curves
 
 CREST = """5
 3
@@ -38,6 +38,12 @@ def test_cgal_strength_is_an_integral(file):
     assert read.count == 2
     assert read.curves.offsets.tolist() == [0, 3, 5]
     assert read.curves.strength == pytest.approx([2, 2, 2, 0.5, 0.5])
+
+
+@pytest.mark.parametrize("end", [b"", b"\x1a", b"\0\0\0\0", b"# the end\n"])
+def test_comments_and_what_fills_a_file_up_are_passed_over(file, end):
+    text = b"# ridges\n3 4 0 0 0 0 1 0 0\n" + end
+    assert read_curves([file(text)]).curves.points.tolist() == [[0, 0, 0], [1, 0, 0]]
 
 
 def test_cgal_curve_of_equal_points_is_counted_and_left_out(file):
@@ -88,3 +94,62 @@ def test_what_is_wrong_is_named(text, message, file):
     with pytest.raises(InputError) as error:
         read_curves([file(text)])
     assert message in str(error.value)
+
+
+@pytest.mark.parametrize("line", ["0 1 0 0 0 0 1 0 0", "7 1 0 0 0 0 1 0 0 2 0 0", "2.5 1 0 0 0 0 1 0 0"])
+def test_a_type_is_one_to_six(file, line):
+    with pytest.raises(InputError, match=f"line 2: {line.split()[0]} is no type of a ridge line"):
+        read_curves([file("3 4.0 0 0 0 0 1 0 0 2 0 0 5 5 5\n" + line + "\n")])
+
+
+@pytest.mark.parametrize(
+    "rows",
+    [
+        "6.3 0.1 -0.2 126 178 99 0 -1 0\n4.4 0 3.3 93 172 138 0 -1 0\n",
+        "0.1 0.2 0.3\n0.4 0.5 0.6\n0.7 0.8 0.9\n",
+        "//X Y Z I\n0.1 0.2 0.3 9\n0.4 0.5 0.6 8\n",
+        "0.1, 0.2, 0.3, 7\n0.4, 0.5, 0.6, 7\n",
+        "3\n0.1 0.2 0.3 9 255 0 0\n0.4 0.5 0.6 8 255 0 0\n0.4 0.9 0.6 8 255 0 0\n",
+    ],
+)
+def test_a_point_cloud_is_called_one(file, rows):
+    with pytest.raises(NoCurves, match="this is a point cloud, .* make a mesh of it"):
+        read_curves([file(rows)])
+
+
+POLYLINES = "3 0 0 0 1 0 0 1 1 0\n2 5 5 5 6 5 5\n"
+
+
+@pytest.mark.parametrize("name", ["a.txt", "a.polylines.txt", "a.cgal", "A.CGAL"])
+@pytest.mark.parametrize(
+    "text",
+    [POLYLINES, "3\n0 0 0\n1 0 0\n1 1 0\n2\n5 5 5\n6 5 5\n", "3 0 0 0 1 0 0 1 1 0 a crease\n\n2 5 5 5 6 5 5\n"],
+)
+def test_polylines_of_cgal(tmp_path, name, text):
+    if name == "a.txt" and "crease" in text:
+        return  # with words behind the points a .txt is not known as polylines
+    (tmp_path / name).write_text(text)
+    read = read_curves([tmp_path / name])
+    assert [read.curves.curve(i).tolist() for i in range(2)] == [
+        [[0, 0, 0], [1, 0, 0], [1, 1, 0]],
+        [[5, 5, 5], [6, 5, 5]],
+    ]
+    assert read.count == 2 and not read.crossings
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("3 0 0 0 1 0 0\n", "line 1: a polyline of 3 points has 2; was the file cut off"),
+        ("2 0 0 0 1 0 0 1 1 0\n", "line 1: there are more numbers than the 2 points"),
+        ("3 0 0 0 1 0 0\n2 5 5 5 6 5 5\n", "line 2: there are more numbers than the 3 points of line 1"),
+        ("-1 0 0 0\n", "line 1: '-1' is no number of points"),
+        ("99999999999 0 0 0\n", "line 1"),
+        ("999999999 0 0 0\n", "was the file cut off"),
+        ("2 0 0 0 nan 0 0\n", "line 1: 'nan' is not finite"),
+    ],
+)
+def test_polylines_that_do_not_fit_are_named(tmp_path, text, message):
+    (tmp_path / "a.cgal").write_text(text)
+    with pytest.raises(InputError, match=message):
+        read_curves([tmp_path / "a.cgal"])

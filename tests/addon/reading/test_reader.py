@@ -12,7 +12,7 @@ def read(bpy, part):
     def call(*objects):
         bpy.context.view_layer.update()
         graph = bpy.context.evaluated_depsgraph_get()
-        return part("fcn_addon.scene.reader").read_objects(objects, graph)
+        return part("fcn_addon.reading.reader").read_curves(objects, graph)
 
     return call
 
@@ -104,8 +104,10 @@ def test_hair_curves(bpy, read):
     item = link(bpy, "Hair", data)
     item.location = (0, 0, 100)
     curves = read(item).reading.curves
-    assert curves.offsets.tolist() == [0, 3, 7]
-    assert np.allclose(curves.points, points.reshape(-1, 3) + [0, 0, 100])
+    # They are Catmull-Rom curves, which go through their points, of a resolution of 12.
+    assert np.diff(curves.offsets).tolist() == [25, 37]
+    for i, (a, b) in enumerate(((0, 3), (3, 7))):
+        assert np.allclose(curves.curve(i)[::12], points.reshape(-1, 3)[a:b] + [0, 0, 100], atol=1e-5)
 
 
 def test_junctions_split_and_every_chain_is_an_input_curve(bpy, read):
@@ -117,11 +119,11 @@ def test_junctions_split_and_every_chain_is_an_input_curve(bpy, read):
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda bpy: link(bpy, "Empty", None), "of type EMPTY"),
-        (lambda bpy: wire(bpy, edges=()), "no edges"),
-        (lambda bpy: wire(bpy, edges=(), faces=[(0, 1, 2, 3)]), "surface of 1 faces"),
+        (lambda bpy: link(bpy, "Empty", None), "(without geometry)"),
+        (lambda bpy: wire(bpy, edges=()), "(without edges and faces)"),
+        (lambda bpy: wire(bpy, edges=(), faces=[(0, 1, 2, 3)]), "surface of 2 triangles"),
         (lambda bpy: wire(bpy, points=[(0, 0, 0), (float("nan"), 0, 0)], edges=[(0, 1)]), "vertex 1 is not finite"),
-        (lambda bpy: wire(bpy, points=[(1, 1, 1)] * 2, edges=[(0, 1)]), "no curve has two different points"),
+        (lambda bpy: wire(bpy, points=[(1, 1, 1)] * 2, edges=[(0, 1)]), "(with edges of no length)"),
     ],
 )
 def test_what_is_wrong_is_named(bpy, read, part, make, message):
@@ -146,12 +148,16 @@ def test_a_bevel_does_not_matter(bpy, read, kind):
     assert (len(bpy.data.curves), len(bpy.data.objects)) == before
 
 
-def test_a_bevel_under_a_modifier_is_named(bpy, read, part):
+def test_a_bevel_under_a_modifier_does_not_matter(bpy, read):
     item = poly(bpy)
     item.data.bevel_depth = 0.1
-    item.modifiers.new("Deform", "SIMPLE_DEFORM")
-    with pytest.raises(part("core.errors").InputError, match="bevel"):
-        read(item)
+    array = item.modifiers.new("Array", "ARRAY")
+    array.use_relative_offset, array.use_constant_offset, array.constant_offset_displace = False, True, (0, 0, 5)
+    item.location = (0, 0, 3)
+    before = [len(getattr(bpy.data, kind)) for kind in ("curves", "objects", "scenes", "node_groups")]
+    curves = read(item).reading.curves
+    assert {tuple(p) for p in curves.points.tolist()} == {(x, y, z) for x, y, _ in LINE for z in (3.0, 8.0)}
+    assert [len(getattr(bpy.data, kind)) for kind in ("curves", "objects", "scenes", "node_groups")] == before
 
 
 def test_no_object_at_all(read, part):
