@@ -1,0 +1,7 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Polylines as the fewest lines, circular arcs, circles and Bezier segments within their noise."""
+
+from .fit import FittedCurve, fit_curve, fit_curves
+from .primitives import Arc, Bezier, Circle, Line, dense
+
+__all__ = ["Arc", "Bezier", "Circle", "FittedCurve", "Line", "dense", "fit_curve", "fit_curves"]
