@@ -10,9 +10,10 @@ import numpy as np
 from . import shapes
 from .shapes import OWN
 
-ROUNDS, STIFF, HOLD, ENOUGH = 14, 1e3, 0.03, 1e-3
-"""Most steps of Gauss and Newton; the weight of a tangent joint beside that of the samples; of a joint's first place,
-a share of a sample, for what the samples leave open; and the gain, a share of one number's worth, that ends the steps."""
+ROUNDS, STIFF, HOLD, ENOUGH = 14, 1e3, 0.03, 0.01
+"""Most steps of Gauss and Newton; the weight of a tangent joint beside that of the samples; of an inner joint's first
+place, a share of a sample's, for what the samples leave open; and the gain of the cost
+that ends the steps."""
 
 
 @dataclass(frozen=True)
@@ -168,6 +169,8 @@ def _equations(points, chain, sigma, size, spacing, anchor, where):
         now.append(u)
         way = shapes.directions(kind, q, u)
         gap = x - shapes.at(kind, q, u)
+        if kind == 2:  # a sample beyond an end pulls at it, or the end would slip along the curve
+            way = way * ((u > 0) & (u < 1))[:, None]
         gap = (gap - (gap * way).sum(axis=1)[:, None] * way) / sigma
         slope = shapes.slopes(kind, q, u)
         slope = (slope - (slope * way).sum(axis=2)[:, :, None] * way).reshape(len(q), -1) / sigma
@@ -177,9 +180,12 @@ def _equations(points, chain, sigma, size, spacing, anchor, where):
     cost = unexplained.sum()
     own = np.arange(3 * len(chain.joints))
     off = (chain.joints - anchor).ravel()
-    system[own, own] += (HOLD / spacing) ** 2
-    gradient[own] += (HOLD / spacing) ** 2 * off
-    cost += ((HOLD / spacing * off) ** 2).sum()
+    hold = np.full(len(own), HOLD / spacing)
+    if not chain.closed:
+        hold[[0, 1, 2, -3, -2, -1]] = 1 / spacing
+    system[own, own] += hold**2
+    gradient[own] += hold**2 * off
+    cost += ((hold * off) ** 2).sum()
     cost += _tangency(chain, places, STIFF * size / sigma, system, gradient)
     return system, gradient, cost, unexplained, now
 

@@ -79,7 +79,7 @@ def arc_cost(m: Moments, a, b, mean, spread):
     flat = np.maximum(values[:, 0], 0)
     main = np.maximum(values[:, 1:], 1e-300)
     pull = np.einsum("ki,kij->kj", third, axes[:, :, 1:])
-    height = main.sum(axis=1) / n
+    height = values.sum(axis=1) / n
     centre = pull / (2 * main)
     algebraic = np.maximum(fourth - n * height**2 - (pull**2 / main).sum(axis=1), 0)
     return algebraic / (4 * (height + (centre**2).sum(axis=1))) + flat

@@ -15,30 +15,40 @@ from .samples import Samples
 GENTLE = 0.45
 """Radians up to which a joint may be tangent in truth; sharper ones are corners."""
 
-ROUNDED, SHORT = 0.6, 4.0
+ROUNDED, SHORT = 0.75, 4.0
 """How far smoothing over `blur` takes points from a corner, with some reserve, and how long a piece it can make of one;
 multiples of `blur`."""
 
 
-def describe(samples: Samples, *, blur: float = 0.0) -> Chain | None:
+def describe(samples: Samples, *, blur: float = 0.0) -> tuple[Samples, Chain | None]:
     """The chain of pieces with the least cost whose samples are all within its bound.
 
     blur : length over which the curve was smoothed; corners are looked for behind what that rounds off
 
-    Returns None where no such chain was found: then only the polyline itself is true to its samples.
+    Returns the samples, where closed from another first one on, and the chain; None where no such chain was found:
+    then only the polyline itself is true to its samples.
     """
-    points = samples.points
-    pieces = find_pieces(points, variance=samples.variance, dimension=_dimension(samples))
+    pieces = find_pieces(samples.points, variance=samples.variance, dimension=_dimension(samples))
+    if blur > 0:
+        found, chain = _chain(*_gathered(samples, pieces, SHORT * blur), blur)
+        if chain is not None and not _off(found, chain, blur).any():
+            return found, chain
     kinds, knots = pieces.kinds, pieces.knots
-    for finer in (4, 16, 64, 256):
-        chain = _chain(samples, kinds, knots, blur)
+    for finer in (1, 4, 16, 64):
+        found, chain = _chain(samples, kinds, knots, 0.0, merge=finer == 1)
         if chain is None:
-            return None
-        off = samples.off(distances(points, chain)) > allowed(samples, chain, blur)
+            break
+        off = _off(found, chain, 0.0)
         if not off.any():
-            return chain
-        kinds, knots = _split(samples, chain, off, samples.variance / finer)
-    return None
+            return found, chain
+        samples, chain = found, replace(chain, tangent=np.zeros_like(chain.tangent))
+        kinds, knots = _split(samples, chain, off, samples.variance / finer / 4)
+    return samples, None
+
+
+def _off(samples, chain, blur):
+    """(n,) bool, samples that are further from the chain than they may be."""
+    return samples.off(distances(samples.points, chain)) > allowed(samples, chain, blur)
 
 
 def allowed(samples: Samples, chain: Chain, blur: float) -> np.ndarray:
@@ -55,23 +65,56 @@ def cost(samples: Samples, chain: Chain) -> float:
     return float(chain.unexplained.sum() + samples.price * numbers)
 
 
-def _chain(samples, kinds, knots, blur):
+def _chain(samples, kinds, knots, blur, merge=True):
     ranges = np.stack([knots[:-1], knots[1:]], axis=1)
     if samples.closed and len(kinds) == 1:
         middle = len(samples.points) // 2
         kinds, ranges = np.repeat(kinds, 2), np.array([[0, middle], [middle, len(samples.points)]])
         if middle < LEAST[kinds[0]]:
-            return None
+            return samples, None
     chain = _fitted(samples, first_chain(samples.points, kinds, ranges, samples.closed))
     if blur > 0:
-        chain = _sharpened(samples, chain, blur)
-    merged = _merged(samples, chain)
-    if merged is not chain:
-        chain = _fitted(samples, merged)
+        samples, chain = _sharpened(samples, chain, blur)
+    for _ in range(merge * (1 + samples.closed)):
+        merged = _merged(samples, chain)
+        chain = chain if merged is chain else _fitted(samples, merged)
+        samples, chain = _turned(samples, chain, len(chain.kinds) // 2 if samples.closed else 0)
     tangent = _tangent_joints(samples, chain)
     if tangent.any():
         chain = _fitted(samples, replace(chain, tangent=tangent))
-    return chain
+    return samples, chain
+
+
+def _gathered(samples, pieces, longest):
+    """Samples, kinds and knots with runs of short pieces as one, up to a longest; a closed curve begins with its
+    longest piece."""
+    kinds, size = pieces.kinds, np.diff(pieces.knots)
+    if samples.closed:
+        i = int(size.argmax())
+        samples, kinds, size = samples.rolled(pieces.knots[i]), np.roll(kinds, -i), np.roll(size, -i)
+    most = longest / samples.spacing
+    found = [(kinds[0], size[0])]
+    for kind, count in zip(kinds[1:], size[1:]):
+        if max(count, found[-1][1]) <= most / 2 and len(found) > 1:
+            found[-1] = 0, found[-1][1] + count
+        else:
+            found.append((kind, count))
+    kinds, size = zip(*found)
+    return samples, np.array(kinds), np.r_[0, np.cumsum(size)]
+
+
+def _turned(samples, chain, i):
+    """A closed curve and its chain from piece i on."""
+    if not i:
+        return samples, chain
+    first = chain.ranges[i, 0]
+    n = len(samples.points)
+    ranges = np.roll(chain.ranges, -i, axis=0) - first
+    ranges[len(ranges) - i :] += n
+    own = (*chain.own[i:], *chain.own[:i])
+    kinds, tangent = np.roll(chain.kinds, -i), np.roll(chain.tangent, -i)
+    left = None if chain.unexplained is None else np.roll(chain.unexplained, -i)
+    return samples.rolled(first), Chain(kinds, ranges, True, tangent, np.roll(chain.joints, -i, axis=0), own, left)
 
 
 def _fitted(samples, chain):
@@ -87,16 +130,18 @@ def _saved(samples):
     return 1 if samples.plane else 2
 
 
-def from_corner(samples: Samples) -> Samples:
-    """A closed curve that begins where it is best cut: at a knot, where it turns most."""
-    pieces = find_pieces(samples.points, variance=samples.variance, dimension=_dimension(samples))
-    n, reach = len(samples.points), max(2, len(samples.points) // 40)
-    at = pieces.knots[1:-1] if len(pieces.knots) > 2 else np.arange(n)
-    p = samples.points
+def from_corner(samples: Samples, blur: float = 0.0) -> Samples:
+    """A closed curve that begins where it turns most: at a knot of it, or amid what smoothing made of a corner."""
+    n, p = len(samples.points), samples.points
+    at, reach = np.arange(n), max(2, n // 40)
+    if blur > 0:
+        reach = max(reach, int(2 * blur / samples.spacing))
+    else:
+        pieces = find_pieces(p, variance=samples.variance, dimension=_dimension(samples))
+        at = pieces.knots[1:-1] if len(pieces.knots) > 2 else at
     before, after = p[(at - 1) % n] - p[(at - 1 - reach) % n], p[(at + reach) % n] - p[at % n]
     size = np.linalg.norm(before, axis=1) * np.linalg.norm(after, axis=1)
-    first = at[((before * after).sum(axis=1) / np.maximum(size, 1e-300)).argmin()]
-    return samples.rolled(first)
+    return samples.rolled(at[((before * after).sum(axis=1) / np.maximum(size, 1e-300)).argmin()])
 
 
 def _part(chain, members):
@@ -188,13 +233,23 @@ def _sharpened(samples, chain, blur):
 
     A short piece between two that meet close to it goes; then the samples about each corner have no say.
     """
-    for i in reversed(range(len(chain.kinds))):
-        if len(chain.kinds) < (4 if chain.closed else 3):
-            break
-        if chain.closed or 0 < i < len(chain.kinds) - 1:
+    if chain.closed:
+        for _ in range(len(chain.kinds)):
+            count = len(chain.kinds)
+            if count > 3:
+                chain = _without(samples, chain, 1, blur)
+            samples, chain = _turned(samples, chain, 0 if len(chain.kinds) < count else 1)
+    else:
+        for i in reversed(range(1, len(chain.kinds) - 1)):
             chain = _without(samples, chain, i, blur)
-    ranges = chain.ranges.copy()
     trim = int(np.ceil(1.5 * blur / samples.spacing))
+    inner = chain.ranges + np.where(chain.kinds[:, None] > 0, [[trim, -trim]], 0)
+    inner = np.where(np.diff(inner, axis=1) >= 2 * trim, inner, chain.ranges)
+    core = _simpler(samples, replace(chain, ranges=inner))
+    same = (core.kinds == chain.kinds)[:, None]
+    if not same.all():
+        chain = _fitted(samples, replace(core, ranges=np.where(same, chain.ranges, inner)))
+    ranges = chain.ranges.copy()
     angles, k = chain.angles(), len(chain.kinds)
     for joint in range(0 if chain.closed else 1, k):
         before = (joint - 1) % k
@@ -203,17 +258,32 @@ def _sharpened(samples, chain, blur):
         for piece, side, way in ((before, 1, -1), (joint, 0, 1)):
             spare = int(ranges[piece, 1] - ranges[piece, 0] - max(LEAST[chain.kinds[piece]], 4))
             ranges[piece, side] += way * max(0, min(trim, spare))
-    return _fitted(samples, replace(chain, ranges=ranges)) if (ranges != chain.ranges).any() else chain
+    return samples, _simpler(samples, replace(chain, ranges=ranges)) if (ranges != chain.ranges).any() else chain
+
+
+def _simpler(samples, chain):
+    """The chain, fitted, with the cheapest kind for each piece now that the corners have no say."""
+    kinds, own, changed = chain.kinds.copy(), list(chain.own), _fitted(samples, chain)
+    numbers = NUMBERS[_dimension(samples)]
+    for i, (a, b) in enumerate(chain.ranges):
+        for kind in range(kinds[i]):
+            one = first_chain(samples.points, np.array([kind]), np.array([[a, b]]), False)
+            one = _fitted(samples, one)
+            gain = samples.price * (numbers[kinds[i]] - numbers[kind])
+            if one.unexplained[0] - changed.unexplained[i] < gain:
+                kinds[i], own[i] = kind, one.own[0]
+                break
+    return changed if (kinds == chain.kinds).all() else _fitted(samples, replace(chain, kinds=kinds, own=tuple(own)))
 
 
 def _without(samples, chain, i, blur):
     """The chain without piece i, if its neighbours meet near the samples of it; otherwise as it was."""
     a, b = chain.ranges[i]
     k = len(chain.kinds)
-    around = [(i - 1) % k, (i + 1) % k]
+    around = [i - 1, i + 1]
     length = (b - a) * samples.spacing
     rest = samples.spacing * np.diff(chain.ranges[around], axis=1).min()
-    if length > SHORT * blur or rest < length or (chain.ranges[around[0], 1] > chain.ranges[around[1], 0]):
+    if length > SHORT * blur or rest < length:
         return chain
     pair = _part(chain, around)
     joints = chain.joints[[around[0], i, (around[1] + 1) % len(chain.joints)]].copy()
@@ -221,8 +291,8 @@ def _without(samples, chain, i, blur):
     pair = _fitted(samples, replace(pair, joints=joints))
     row = replace(pair, ranges=np.array([[chain.ranges[around[0], 0], a], [b, chain.ranges[around[1], 1]]]))
     first = row.ranges[0, 0]
-    off = distances(samples.points[first : row.ranges[1, 1]], replace(row, ranges=row.ranges - first))[a - first : b - first]
-    if off.max() > max(ROUNDED * blur, samples.bound) or pair.angles()[1] < GENTLE:
+    off = distances(samples.points[first : row.ranges[1, 1]], replace(row, ranges=row.ranges - first))
+    if off[a - first : b - first].max() > max(ROUNDED * blur, samples.bound) or pair.angles()[1] < GENTLE:
         return chain
     keep = np.delete(np.arange(k), i)
     joints = chain.joints.copy()

@@ -91,11 +91,10 @@ class _Drawn:
 def _draw(samples, blur):
     if samples is None:
         return _Drawn(None)
-    circle = None
     if samples.closed:
-        samples = from_corner(samples)
-        circle = fit_circle(samples) if samples.plane else None
-    chain = describe(samples, blur=blur)
+        samples = from_corner(samples, blur)
+    circle = fit_circle(samples) if samples.closed and samples.plane else None
+    samples, chain = describe(samples, blur=blur)
     if circle is not None:
         off = circle_distances(samples.points, circle)
         price = 3 * samples.price + (off**2).sum() / samples.variance

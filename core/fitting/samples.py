@@ -13,7 +13,7 @@ LARGEST, OFF_PLANE = 5.0, 4.5
 """Standard deviations that a sample may be off, one in 270000 is further with normal noise across the curve; and off
 the plane of a plane curve."""
 
-FINEST, UNEVEN, FEWEST = 1e-5, 2.5, 24
+FINEST, UNEVEN, FEWEST = 1e-5, 8.0, 24
 """The smallest noise that is taken, as a share of the curve's size, for rounding; the longest step, in medians, up to
 which samples count as even; and how many samples an uneven curve is given at least."""
 
@@ -51,9 +51,7 @@ class Samples:
 
     def rolled(self, first) -> Samples:
         """A closed curve that begins at another sample."""
-        return replace(
-            self, points=np.roll(self.points, -int(first), axis=0), height=np.roll(self.height, -int(first))
-        )
+        return replace(self, points=np.roll(self.points, -int(first), axis=0), height=np.roll(self.height, -int(first)))
 
     @property
     def spacing(self) -> float:
@@ -128,7 +126,7 @@ def _even(points, closed):
     ring = np.concatenate([points, points[:1]]) if closed else points
     step = np.linalg.norm(np.diff(ring, axis=0), axis=1)
     typical = np.median(step)
-    if step.max() <= UNEVEN * typical and (len(points) >= FEWEST or step.max() <= 1.2 * typical and len(points) >= 8):
+    if len(points) >= FEWEST and step.max() <= UNEVEN * typical or len(points) >= 8 and step.max() <= 1.5 * typical:
         return points, 1.0
     along = np.r_[0.0, np.cumsum(step)]
     count = int(np.clip(along[-1] / typical, 2 * FEWEST, 4 * len(points) + 2 * FEWEST))
