@@ -124,7 +124,7 @@ def main():
         )
         return 2
     package = load_package()
-    command_line = importlib.import_module(f"{package}.fcn_addon.command_line")
+    command_line = importlib.import_module(f"{package}.fcn_addon.command.run")
     return command_line.main(arguments(), prog="run.py")
 
 

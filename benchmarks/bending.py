@@ -11,8 +11,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from core.detection import TriangleMesh
-from core.detection.edges import face_pairs
-from core.detection.sharp import dihedral_angles
+from core.detection.lines.sharp import dihedral_angles
+from core.detection.mesh.edges import face_pairs
 
 _BLOCK = 4000
 

@@ -18,7 +18,7 @@ from scipy.spatial import cKDTree
 
 from benchmarks.bending import Bending
 from core.detection import DetectionParameters, FeatureCurves, TriangleMesh, detect, measure
-from core.detection.tensor import curvature
+from core.detection.curvature.tensor import curvature
 from core.files.reading import read_surface
 from examples.make_scan import scan
 from tests.core.detection import surfaces

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Algorithm 1 of the paper taken at its word, on one thread: for every two points of two strong curves and both
 // senses, the stretches of length l0 that start there are compared by ICP, and extended by delta_l while they agree.
-// It is the yardstick for the speed of core/blast.py. It measures randomly chosen pairs of curves until a time
+// It is the yardstick for the speed of core/matching/. It measures randomly chosen pairs of curves until a time
 // budget is spent, and projects the time of all.
 //
 //   literal_blast CURVES.obj EDGE_LENGTH [L0 = 25 edges] [SECONDS = 10]

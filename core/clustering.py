@@ -16,10 +16,10 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial.distance import pdist, squareform
 
-from .network import CurveNetwork
-from .rigid import exponential, inverse, screw_velocity
+from .geometry.motions import exponential, inverse, screw_velocity
+from .matching.voting import Votes
+from .network.network import CurveNetwork
 from .support import Screen
-from .voting import Votes
 
 
 @dataclass(frozen=True)

@@ -5,11 +5,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from .consolidation.joining import linked_paths
 from .courses import Course
-from .drafts import Draft, along, directions, placed
-from .linking import linked_paths
-from .network import CurveNetwork, resample_polyline, steady_polyline
-from .strong import keeps_alone
+from .drafts import Draft, along, placed
+from .geometry.polylines import directions, resample_polyline, steady_polyline
+from .matching.strong import keeps_alone
+from .network.network import CurveNetwork
 from .values import CompletedCurve, Completion, InputClasses, Template, Transformation
 
 

@@ -7,13 +7,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .blast import feature_blast
 from .clustering import cluster_votes
-from .network import CurveNetwork, build_network
-from .rigid import inverse
+from .geometry.motions import inverse
+from .matching.blast import feature_blast
+from .matching.voting import vote
+from .network.building import build_network
+from .network.network import CurveNetwork
 from .support import Screen, long_stretches
 from .values import Curves
-from .voting import vote
 
 
 @dataclass(frozen=True)

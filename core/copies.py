@@ -14,11 +14,11 @@ from scipy.spatial import cKDTree
 from .congruence import congruent_parts, find_alike
 from .drafts import Draft, explained_length, placed, seen_share
 from .figures import one_of_figures
+from .geometry.motions import inverse
 from .grouping import group
-from .network import CurveNetwork
+from .network.network import CurveNetwork
 from .occurrences import share_place
 from .polishing import settled
-from .rigid import inverse
 
 
 def unite(network: CurveNetwork, drafts: list[Draft], free, parameters, *, threads=1, tick=None) -> list[Draft]:

@@ -13,12 +13,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import cKDTree
 
-from .consolidation import pull
-from .drafts import Draft, directions
-from .network import CurveNetwork, resample_polyline, smooth_polyline, steady_polyline
+from .consolidation.averaging import pull
+from .drafts import Draft
+from .geometry.motions import exponential
+from .geometry.polylines import directions, resample_polyline, smooth_polyline, steady_polyline
+from .geometry.rows import distinct_rows
+from .network.network import CurveNetwork
 from .orbits import Orbit
-from .rigid import exponential
-from .rows import distinct_rows
 from .support import slips
 
 GAP, TURN, FOLLOW, AHEAD, MOSTLY = 4.0, 0.85, 6.0, 1.0, 0.65

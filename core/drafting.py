@@ -8,11 +8,14 @@ from dataclasses import replace
 import numpy as np
 from scipy.spatial import cKDTree
 
-from .consolidation import condense, fit_curves, trace_curves
-from .drafts import Draft, directions, seen_share
-from .network import CurveNetwork
+from .consolidation.averaging import condense
+from .consolidation.consolidation import fit_curves
+from .consolidation.tracing import trace_curves
+from .drafts import Draft, seen_share
+from .geometry.motions import best_rotation, inverse, motion
+from .geometry.polylines import directions
+from .network.network import CurveNetwork
 from .overlay import Overlay, agreement, chance_shifts, fold_poses
-from .rigid import best_rotation, inverse, motion
 
 CHANCE_SHARE = 0.1
 """Largest share of the agreeing samples that chance may explain."""

@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import cKDTree
 
-from .network import CurveNetwork
+from .geometry.polylines import directions
+from .network.network import CurveNetwork
 
 
 @dataclass(frozen=True)
@@ -48,12 +49,6 @@ class Draft:
     def lengths(self) -> np.ndarray:
         """(c,) float64, about the length of each curve, edge lengths."""
         return np.array([len(c) for c in self.curves], float)
-
-
-def directions(curve) -> np.ndarray:
-    """(k, 3) float64, unit tangents of a polyline."""
-    step = np.gradient(curve, axis=0)
-    return step / np.maximum(np.linalg.norm(step, axis=1), 1e-12)[:, None]
 
 
 def placed(draft: Draft):
@@ -96,7 +91,6 @@ def explained_length(network: CurveNetwork, drafts, *, radius) -> float:
         return 0.0
     shown = np.any([explained_samples(network, d, radius=radius) for d in drafts], axis=0)
     return float(network.weights[shown].sum())
-
 
 
 RIVAL = 1.0

@@ -11,9 +11,9 @@ from scipy.spatial.distance import cdist
 
 from .drafting import consolidate_places
 from .drafts import explained_length, placed, seen_share
+from .geometry.motions import best_rotation, inverse, motion
 from .grouping import group
 from .polishing import settled
-from .rigid import best_rotation, inverse, motion
 
 
 def one_of_figures(network, drafts, motions, free, epsilon, tick):

@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 
 from .clustering import perturbed
 from .drafts import Draft, explained_samples, placed, seen_points, seen_share
-from .network import CurveNetwork
+from .network.network import CurveNetwork
 
 CHANCE_SEEN = 0.15
 """Share of a curve that clutter seems to show at a place where the curve does not occur."""

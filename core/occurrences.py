@@ -14,8 +14,8 @@ import numpy as np
 
 from .clustering import group_motions, perturbed
 from .drafts import along
-from .network import CurveNetwork
-from .rigid import inverse
+from .geometry.motions import inverse
+from .network.network import CurveNetwork
 from .support import Screen, in_long_stretches
 
 APART, MOST, REFINED = 8.0, 4000, 200

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from .clustering import Clusters
-from .network import CurveNetwork
-from .rigid import embed, exponential, inverse, motion, rotation_vector, screw_velocity
+from .geometry.motions import embed, exponential, inverse, motion, rotation_vector, screw_velocity
+from .network.network import CurveNetwork
 from .support import Screen
 
 CANDIDATES, SEEDS, ROOTS, SAME = 100, 6, 12, 5.0

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from .network import CurveNetwork
+from .geometry.motions import inverse
+from .geometry.rows import distinct_rows
+from .network.network import CurveNetwork
 from .orbits import Orbit
-from .rigid import inverse
-from .rows import distinct_rows
 from .support import long_stretches
 
 

@@ -9,21 +9,22 @@ from dataclasses import replace
 
 import numpy as np
 
-from .blas import single_threaded
-from .blast import feature_blast
 from .clustering import cluster_votes
 from .completion import build_completion
 from .errors import InputError
-from .network import build_network, estimate_edge_length
+from .matching.blast import feature_blast
+from .matching.strong import strong_curves
+from .matching.voting import vote
+from .network.building import build_network
+from .network.edge_length import estimate_edge_length
 from .orbits import detect_orbits
 from .parameters import Parameters
 from .remainder import further_orbits
 from .selection import select_model
-from .strong import strong_curves
 from .support import Screen
 from .templates import extract_templates
+from .threads import single_threaded
 from .values import Completion, Curves
-from .voting import vote
 
 
 def complete(curves: Curves, *, edge_length=None, parameters: Parameters | None = None, progress=None) -> Completion:

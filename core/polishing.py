@@ -12,12 +12,13 @@ from dataclasses import replace
 import numpy as np
 from scipy.spatial import cKDTree
 
-from .consolidation import settle
+from .consolidation.averaging import settle
 from .drafting import refined_poses
-from .drafts import Draft, directions, seen_share
-from .network import CurveNetwork
+from .drafts import Draft, seen_share
+from .geometry.motions import exponential, inverse
+from .geometry.polylines import directions
+from .network.network import CurveNetwork
 from .orbits import Orbit
-from .rigid import exponential, inverse
 
 SHOWN, ROUNDS, SCALE, WEAK = 0.3, 4, 0.7, 0.02
 """Share of a curve that an occurrence must show to have a say, steps of Gauss and Newton, the distance (edge lengths)

@@ -10,11 +10,11 @@ from __future__ import annotations
 import numpy as np
 
 from .clustering import cluster_votes
-from .network import CurveNetwork
+from .matching.voting import Votes
+from .network.network import CurveNetwork
 from .orbits import Orbit, detect_orbits
 from .selection import Model, select_model
 from .support import Screen
-from .voting import Votes
 
 EXPLAINED, SPOKEN = 0.3, 4.0
 """Share of a curve's length from which on it counts as explained, and the support, in multiples of l0, without which

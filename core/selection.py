@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from .clustering import perturbed
-from .network import CurveNetwork
+from .geometry.motions import inverse
+from .network.network import CurveNetwork
 from .orbits import Orbit, doubts
-from .rigid import inverse
 from .support import Screen, in_long_stretches, slips
 
 

@@ -13,8 +13,8 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 from scipy.spatial import cKDTree
 
-from .network import CurveNetwork
-from .rigid import best_rotation, exponential, inverse, motion, screw_velocity
+from .geometry.motions import best_rotation, exponential, inverse, motion, screw_velocity
+from .network.network import CurveNetwork
 
 FACING = 0.7
 """Least cosine between the normals of the surface at a sample and at its image. Noise turns them by 20 degrees; the

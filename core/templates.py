@@ -13,9 +13,10 @@ from scipy.spatial import cKDTree
 from .copies import unite
 from .courses import Course, find_courses
 from .drafting import consolidate, consolidate_places
-from .drafts import Draft, along, directions, explained_samples, seen_share
+from .drafts import Draft, along, explained_samples, seen_share
+from .geometry.polylines import directions
 from .grouping import at_their_borders, group, kinds_of_cells
-from .network import CurveNetwork
+from .network.network import CurveNetwork
 from .occurrences import Pattern, Search, shown
 from .orbits import Orbit
 from .overlay import fold_orbit

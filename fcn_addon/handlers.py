@@ -6,14 +6,16 @@ from __future__ import annotations
 import bpy
 from bpy.app.handlers import persistent
 
-from . import detecting, session, summary
+from .detected import kept
+from .job import session, summary
+from .properties import changes
 
 
 @persistent
 def _before_load(*_):
     session.end()
     summary.stop()
-    detecting.forget()
+    kept.forget()
 
 
 @persistent
@@ -32,14 +34,16 @@ HANDLERS = (("load_pre", _before_load), ("load_post", _after_load), ("depsgraph_
 def register():
     for name, function in HANDLERS:
         getattr(bpy.app.handlers, name).append(function)
+    changes.listen(summary.changed)
     summary.changed()
 
 
 def unregister():
+    changes.forget(summary.changed)
     session.end()
     summary.stop()
-    detecting.forget()
+    kept.forget()
     for name, function in HANDLERS:
-        kept = getattr(bpy.app.handlers, name)
-        if function in kept:
-            kept.remove(function)
+        called = getattr(bpy.app.handlers, name)
+        if function in called:
+            called.remove(function)

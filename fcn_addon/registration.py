@@ -5,8 +5,10 @@ from __future__ import annotations
 
 from importlib import import_module
 
+import bpy
+
 # Each has register() and unregister(); the order is that of the imports.
-ROOMS = ("fcn_addon.command", "fcn_addon.properties", "operators", "ui", "fcn_addon.handlers")
+ROOMS = ("fcn_addon.command.subcommand", "fcn_addon.properties.settings", "operators", "ui", "fcn_addon.handlers")
 
 _registered = []  # what Blender holds of ours at the moment, and nothing else
 
@@ -34,3 +36,21 @@ def unregister():
             first = first or error
     if first is not None:
         raise first
+
+
+def register_classes(classes):
+    """Register classes in order; where one fails, those before it are unregistered and the error goes on."""
+    done = []
+    try:
+        for cls in classes:
+            bpy.utils.register_class(cls)
+            done.append(cls)
+    except BaseException:
+        unregister_classes(done)
+        raise
+
+
+def unregister_classes(classes):
+    """Unregister classes in reverse."""
+    for cls in reversed(classes):
+        bpy.utils.unregister_class(cls)

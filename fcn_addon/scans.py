@@ -9,6 +9,7 @@ import numpy as np
 
 from ..core.errors import InputError
 from ..core.files.network import Reading
+from .installation import require_scipy
 
 
 @dataclass(frozen=True)
@@ -71,12 +72,3 @@ def require_curves(name, found, parameters):
             f"{name}: no feature curve is found; lower strong_fold, {parameters.strong_fold:g} degrees, or min_length, "
             f"{parameters.min_length:g} edge lengths, or ask for other kinds"
         )
-
-
-def require_scipy():
-    """Raise InputError where scipy is missing, in words that help."""
-    try:
-        import scipy  # noqa: F401
-    except ModuleNotFoundError:
-        raise InputError("scipy is missing: install the extension's zip for this platform again") from None
-

@@ -60,3 +60,11 @@ def angle_and_rise(motion) -> tuple[float, float]:
 
 def _degrees(angle) -> str:
     return f"{round(math.degrees(angle), 1):g}°"
+
+
+def duration(seconds) -> str:
+    """A span of time in words: "0.4 s", "12 s", "3 min 20 s"."""
+    if seconds < 9.95:
+        return f"{seconds:.1f} s"
+    minutes, rest = divmod(round(seconds), 60)
+    return f"{minutes} min {rest} s" if minutes else f"{rest} s"

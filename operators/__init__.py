@@ -3,26 +3,25 @@
 
 from __future__ import annotations
 
-import bpy
-
-from .apply import FCN_OT_apply
-from .cancel import FCN_OT_cancel
-from .complete import FCN_OT_complete
-from .complete_scan import FCN_OT_complete_scan
-from .delete_occurrence import FCN_OT_delete_occurrence
-from .detect import FCN_OT_detect
-from .edit_template import FCN_OT_edit_template
-from .make_unique import FCN_OT_make_unique
-from .measure import FCN_OT_measure
-from .reject_occurrence import FCN_OT_reject_occurrence
-from .reject_transformation import FCN_OT_reject_transformation
-from .remove_result import FCN_OT_remove_result
-from .restore import FCN_OT_restore
+from ..fcn_addon.registration import register_classes, unregister_classes
+from .occurrence.delete_occurrence import FCN_OT_delete_occurrence
+from .occurrence.edit_template import FCN_OT_edit_template
+from .occurrence.make_unique import FCN_OT_make_unique
+from .occurrence.reject_occurrence import FCN_OT_reject_occurrence
+from .occurrence.select_occurrence import FCN_OT_select_occurrence
+from .occurrence.select_source import FCN_OT_select_source
+from .result.apply import FCN_OT_apply
+from .result.reject_transformation import FCN_OT_reject_transformation
+from .result.remove_result import FCN_OT_remove_result
+from .result.restore import FCN_OT_restore
+from .result.select_result import FCN_OT_select_result
+from .result.select_transformation import FCN_OT_select_transformation
+from .run.cancel import FCN_OT_cancel
+from .run.complete import FCN_OT_complete
+from .run.complete_scan import FCN_OT_complete_scan
+from .run.detect import FCN_OT_detect
+from .run.measure import FCN_OT_measure
 from .save_preset import FCN_OT_save_preset
-from .select_occurrence import FCN_OT_select_occurrence
-from .select_result import FCN_OT_select_result
-from .select_source import FCN_OT_select_source
-from .select_transformation import FCN_OT_select_transformation
 
 CLASSES = (
     FCN_OT_detect,
@@ -47,17 +46,8 @@ CLASSES = (
 
 
 def register():
-    done = []
-    try:
-        for cls in CLASSES:
-            bpy.utils.register_class(cls)
-            done.append(cls)
-    except BaseException:
-        for cls in reversed(done):
-            bpy.utils.unregister_class(cls)
-        raise
+    register_classes(CLASSES)
 
 
 def unregister():
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+    unregister_classes(CLASSES)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import bpy
 
+from ..fcn_addon.registration import register_classes, unregister_classes
 from . import menu, overlay
 from .complete_panel import FCN_PT_advanced, FCN_PT_complete, FCN_PT_parameters
 from .detect_panel import FCN_PT_detect, FCN_PT_detect_more
@@ -29,19 +30,15 @@ HERE = str(Path(__file__).resolve().parent)  # Blender looks for presets/fcn_add
 
 
 def register():
-    done = []
+    register_classes(CLASSES)
     try:
-        for cls in CLASSES:
-            bpy.utils.register_class(cls)
-            done.append(cls)
         menu.register()
         overlay.register()
         bpy.utils.register_preset_path(HERE)
     except BaseException:
         overlay.unregister()
         menu.unregister()
-        for cls in reversed(done):
-            bpy.utils.unregister_class(cls)
+        unregister_classes(CLASSES)
         raise
 
 
@@ -49,5 +46,4 @@ def unregister():
     bpy.utils.unregister_preset_path(HERE)
     overlay.unregister()
     menu.unregister()
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+    unregister_classes(CLASSES)

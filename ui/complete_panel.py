@@ -6,18 +6,13 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
-from ..fcn_addon import properties, session, summary
-from ..fcn_addon.scene_writer import unit_length
-from ..fcn_addon.terminal import duration
+from ..fcn_addon.job import session, summary
+from ..fcn_addon.job.estimate import Summary
+from ..fcn_addon.properties.settings import BASIC, LABELS, in_edges
+from ..fcn_addon.scene.units import unit_length
+from ..fcn_addon.wording import duration
 from .presets_panel import FCN_PT_presets
-
-CATEGORY = "Feature Curves"
-
-
-class Sidebar:
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = CATEGORY
+from .sidebar import Sidebar
 
 
 class FCN_PT_complete(Sidebar, bpy.types.Panel):
@@ -64,7 +59,7 @@ def _draw_source(layout, settings):
 def _draw_summary(box, context):
     """What a run would use."""
     found = summary.latest()
-    if not isinstance(found, summary.Summary):
+    if not isinstance(found, Summary):
         row = box.row()
         row.label(text=found or "Press Measure to count the curves", icon="INFO")
         row.operator("fcn.measure", text="", icon="FILE_REFRESH")
@@ -112,7 +107,7 @@ class FCN_PT_parameters(Sidebar, bpy.types.Panel):
         FCN_PT_presets.draw_panel_header(self.layout)
 
     def draw(self, context):
-        _draw_parameters(self.layout, context, properties.BASIC)
+        _draw_parameters(self.layout, context, BASIC)
 
 
 class FCN_PT_advanced(Sidebar, bpy.types.Panel):
@@ -121,7 +116,7 @@ class FCN_PT_advanced(Sidebar, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):
-        names = [n for n in properties.LABELS if n not in properties.BASIC]
+        names = [n for n in LABELS if n not in BASIC]
         _draw_parameters(self.layout, context, names)
 
 
@@ -132,12 +127,12 @@ def _draw_parameters(layout, context, names):
     layout.active = not session.running()
     group, found = context.scene.fcn.parameters, summary.latest()
     words = unit_length(context.scene)
-    edges = properties.in_edges()
+    edges = in_edges()
     for name in names:
         row = layout.row(align=True)
         row.prop(group, name)
         if name in edges:
-            known = isinstance(found, summary.Summary)
+            known = isinstance(found, Summary)
             text = words(getattr(group, name) * found.edge_length) if known else iface_("edges")
             side = row.row()
             side.ui_units_x = 3

@@ -6,8 +6,11 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
-from ..fcn_addon import detecting, detection_properties, results, session
-from .complete_panel import Sidebar
+from ..fcn_addon.detected import kept
+from ..fcn_addon.job import detecting, session
+from ..fcn_addon.properties.detection import ADVANCED, LARGE
+from ..fcn_addon.result import stored
+from .sidebar import Sidebar
 
 
 class FCN_PT_detect(Sidebar, bpy.types.Panel):
@@ -18,7 +21,7 @@ class FCN_PT_detect(Sidebar, bpy.types.Panel):
         """Beside a result it leaves the room to that, unless there is something to do for it."""
         item = context.active_object
         chosen = detecting.scan_of(context) or (item is not None and item.select_get() and item.fcn_curves.scan)
-        return bool(chosen) or results.active(context.scene) is None
+        return bool(chosen) or stored.active(context.scene) is None
 
     def draw(self, context):
         layout = self.layout
@@ -51,7 +54,7 @@ class FCN_PT_detect(Sidebar, bpy.types.Panel):
 
 def _draw_copy(layout, settings, faces):
     """The choice of a smaller copy: where the scan is large, or where it is on."""
-    if faces <= detecting.LARGE and not settings.use_copy:
+    if faces <= LARGE and not settings.use_copy:
         return
     if not settings.use_copy:
         layout.label(text="A smaller copy is quicker", icon="INFO")
@@ -65,10 +68,10 @@ def _draw_thresholds(layout, item):
     text = iface_("{shown:,} of {total:,} curves").format(shown=curves.shown, total=curves.total)
     box.label(text=text, icon="CURVE_DATA", translate=False)
     column = box.column()
-    column.enabled = detecting.can_change(item)
+    column.enabled = kept.can_change(item)
     column.prop(curves, "fold", slider=True)
     column.prop(curves, "length")
-    if not detecting.can_change(item):
+    if not kept.can_change(item):
         box.label(text="Detect again to change these", icon="INFO")
 
 
@@ -86,5 +89,5 @@ class FCN_PT_detect_more(Sidebar, bpy.types.Panel):
         layout.use_property_split = True
         layout.use_property_decorate = False
         layout.enabled = not session.running()
-        for name in detection_properties.ADVANCED:
+        for name in ADVANCED:
             layout.prop(context.scene.fcn.detection, name)

@@ -9,7 +9,7 @@ from bpy.app.handlers import persistent
 from gpu_extras.batch import batch_for_shader
 from mathutils import Matrix
 
-from ..fcn_addon import strokes
+from ..fcn_addon.result import strokes
 
 WIDTH = 2.0  # pixels, on a screen of usual density
 NEARER = 5e-4  # of the depth of the view

@@ -6,8 +6,9 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
-from ..fcn_addon import results, session
-from .complete_panel import Sidebar
+from ..fcn_addon.job import session
+from ..fcn_addon.result import stored
+from .sidebar import Sidebar
 
 
 class FCN_UL_transformations(bpy.types.UIList):
@@ -18,7 +19,7 @@ class FCN_UL_transformations(bpy.types.UIList):
         row.prop(item, "kept", text="", icon="CHECKBOX_HLT" if item.kept else "CHECKBOX_DEHLT", emboss=False)
         name = row.row()
         name.active = item.kept
-        name.label(text=item.short, icon=results.ICONS.get(item.kind, "DOT"), translate=False)
+        name.label(text=item.short, icon=stored.ICONS.get(item.kind, "DOT"), translate=False)
         share = row.row()
         share.alignment = "RIGHT"
         share.active = item.kept
@@ -31,12 +32,12 @@ class FCN_PT_result(Sidebar, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context):
-        return results.active(context.scene) is not None
+        return stored.active(context.scene) is not None
 
     def draw(self, context):
         layout = self.layout
         layout.enabled = not session.running()
-        root = results.active(context.scene)
+        root = stored.active(context.scene)
         result = root.fcn_result
         row = layout.row(align=True)
         row.prop(context.scene.fcn, "result", text="", placeholder=root.name)  # without a choice it is the latest
@@ -46,7 +47,7 @@ class FCN_PT_result(Sidebar, bpy.types.Panel):
             views.prop_enum(result, "view", view)
         layout.prop(result, "support", text="Hide Below Support", slider=True)
         layout.template_list(FCN_UL_transformations.bl_idname, "", result, "transformations", result, "active", rows=4)
-        _draw_transformation(layout, results.active_transformation(context.scene))
+        _draw_transformation(layout, stored.active_transformation(context.scene))
         layout.operator_menu_enum("fcn.apply", "kind", icon="OUTLINER_OB_CURVE")
         layout.prop(result, "attributes")
 

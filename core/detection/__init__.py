@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Feature curves of a triangle mesh: ridges, valleys, sharp edges and open boundaries."""
 
-from .mesh import TriangleMesh
+from .mesh.mesh import TriangleMesh
 from .parameters import DetectionParameters
 from .pipeline import detect, measure
 from .values import KINDS, FeatureCurves

@@ -9,19 +9,19 @@ import numpy as np
 
 from ..errors import InputError
 from ..values import Curves
-from .extremality import Extremality, crest_lines
-from .hysteresis import clear_segments, without_faint_tails
-from .junctions import met
-from .lines import Lines, weights
-from .linking import linked
-from .memory import room_for
-from .merging import without_doubles, without_spurs
-from .mesh import TriangleMesh
+from .curvature.tensor import Curvature, curvature
+from .lines.extremality import Extremality, crest_lines
+from .lines.hysteresis import clear_segments, without_faint_tails
+from .lines.junctions import met
+from .lines.lines import Lines, weights
+from .lines.linking import linked
+from .lines.merging import without_doubles, without_spurs
+from .lines.sharp import boundary_lines, sharp_lines
+from .lines.surface import Surface
+from .mesh.memory import room_for
+from .mesh.mesh import TriangleMesh
 from .parameters import DetectionParameters
 from .scale import curvature_at_own_scale
-from .sharp import boundary_lines, sharp_lines
-from .surface import Surface
-from .tensor import Curvature, curvature
 from .values import BOUNDARY, RIDGE, SHARP, VALLEY, FeatureCurves
 
 DEFAULTS = DetectionParameters()

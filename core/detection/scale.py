@@ -11,11 +11,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from .extremality import crest_lines, fold_angle
-from .mesh import TriangleMesh
-from .noise import noise_level
-from .smoothing import Diffusion
-from .tensor import Curvature, curvature, vertex_normals
+from .curvature.noise import noise_level
+from .curvature.smoothing import Diffusion
+from .curvature.tensor import Curvature, curvature, vertex_normals
+from .lines.extremality import crest_lines, fold_angle
+from .mesh.mesh import TriangleMesh
 from .values import RIDGE, VALLEY
 
 LEAST, PER_NOISE, WIDE = 0.35, 1.75, 1.0

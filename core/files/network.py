@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import InputError
-from ..graph import Chains
+from ..geometry.chains import Chains
 from ..values import Curves
 
 

@@ -9,7 +9,7 @@ import re
 import numpy as np
 
 from ..errors import InputError
-from ..graph import chains_of_edges, split_paths
+from ..geometry.chains import chains_of_edges, split_paths
 from .network import Reading, curves_of_chains
 from .source import load, load_lines, parse_numbers
 

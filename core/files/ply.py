@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import InputError
-from ..graph import chains_of_edges
+from ..geometry.chains import chains_of_edges
 from .network import Reading, curves_of_chains
 from .obj import fans
 from .source import load

@@ -18,7 +18,7 @@ import numpy as np
 
 from ..detection import KINDS
 from ..errors import InputError
-from ..graph import chains_of_edges
+from ..geometry.chains import chains_of_edges
 from .network import Reading, curves_of_chains, curves_of_samples
 from .source import load_lines, parse_numbers
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..errors import InputError
-from ..rows import distinct_rows
+from ..geometry.rows import distinct_rows
 from .source import load, load_lines, parse_numbers
 
 _HEADER = 84

@@ -42,7 +42,7 @@ def extension():
 
 @pytest.fixture
 def part(extension):
-    """Import a module of the extension: part("fcn_addon.scene_writer")."""
+    """Import a module of the extension: part("fcn_addon.result.writer")."""
     return lambda name: importlib.import_module(f"{extension}.{name}")
 
 
@@ -150,7 +150,7 @@ def work(part, completion, monkeypatch):
         report("blast", 0.5)
         return completion
 
-    monkeypatch.setattr(part("fcn_addon.session"), "_work", do)
+    monkeypatch.setattr(part("fcn_addon.job.completing"), "_work", do)
     return do
 
 

@@ -19,10 +19,10 @@ def test_it_can_be_disabled_and_enabled_again(extension, part):
     root = part("fcn_addon.registration")
     sys.modules[extension].unregister()
     assert root._registered == []
-    assert part("fcn_addon.command")._handles == []
+    assert part("fcn_addon.command.subcommand")._handles == []
     sys.modules[extension].register()
     assert len(root._registered) == len(root.ROOMS)
-    assert len(part("fcn_addon.command")._handles) == 1
+    assert len(part("fcn_addon.command.subcommand")._handles) == 1
 
 
 @pytest.fixture

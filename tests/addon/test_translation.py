@@ -8,8 +8,10 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parent.parent.parent
-SHOWN = ("fcn_addon/session.py", "fcn_addon/sources.py", "fcn_addon/scene_reader.py")
-FILES = sorted([*(ROOT / "operators").glob("*.py"), *(ROOT / "ui").glob("*.py"), *(ROOT / name for name in SHOWN)])
+SHOWN = ("job/session.py", "job/completing.py", "job/detecting.py", "scene/reader.py", "scene/edge_length.py")
+FILES = sorted(
+    [*(ROOT / "operators").rglob("*.py"), *(ROOT / "ui").glob("*.py"), *(ROOT / "fcn_addon" / n for n in SHOWN)]
+)
 TRANSLATE = {"iface_", "rpt_"}
 WORDS = {"label", "report", "progress", "operator", "poll_message_set", "InputError"}
 

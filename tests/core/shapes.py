@@ -6,9 +6,9 @@ from __future__ import annotations
 import numpy as np
 
 from core.drafts import Draft
-from core.network import build_network
+from core.geometry.motions import screw_velocity
+from core.network.building import build_network
 from core.orbits import Orbit
-from core.rigid import screw_velocity
 from core.values import Curves
 from tests import naive
 

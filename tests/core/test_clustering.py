@@ -6,12 +6,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from core.blast import feature_blast
 from core.clustering import chance_support, cluster_votes, group_motions, perturbed
 from core.errors import Cancelled
+from core.matching.blast import feature_blast
+from core.matching.voting import Votes, vote
 from core.orbits import detect_orbits
 from core.support import Screen
-from core.voting import Votes, vote
 from tests import naive
 from tests.core import shapes
 

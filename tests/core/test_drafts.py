@@ -6,7 +6,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from core.drafts import RIVAL, along, directions, explained_samples, placed, seen_share
+from core.drafts import RIVAL, along, explained_samples, placed, seen_share
+from core.geometry.polylines import directions
 from tests import naive
 from tests.core import shapes
 

@@ -6,11 +6,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from core.blast import feature_blast
 from core.clustering import Clusters, cluster_votes
+from core.matching.blast import feature_blast
+from core.matching.voting import vote
 from core.occurrences import APART, SEEN, STIFF, Pattern, Search, fitted, share_place, shown
 from core.support import NeighbourField, Screen
-from core.voting import vote
 from tests import naive
 from tests.core import shapes
 

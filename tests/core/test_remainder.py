@@ -6,13 +6,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from core.blast import feature_blast
+from core.matching.blast import feature_blast
+from core.matching.strong import strong_curves
+from core.matching.voting import vote
 from core.parameters import Parameters
 from core.remainder import EXPLAINED, further_orbits, remainder
 from core.selection import select_model
-from core.strong import strong_curves
 from core.support import Screen
-from core.voting import vote
 from tests import naive
 from tests.core import shapes
 

@@ -24,7 +24,7 @@ def counts():
 
 def session(driver):
     assert bpy.ops.preferences.addon_enable(module=EXTENSION) == {"FINISHED"}
-    running = sys.modules[f"{EXTENSION}.fcn_addon.session"]
+    running = sys.modules[f"{EXTENSION}.fcn_addon.job.session"]
 
     def start():
         with driver.context():

@@ -33,7 +33,7 @@ def texts(layout):
 
 def session(driver):
     assert bpy.ops.preferences.addon_enable(module=EXTENSION) == {"FINISHED"}
-    latest = sys.modules[f"{EXTENSION}.fcn_addon.summary"]
+    latest = sys.modules[f"{EXTENSION}.fcn_addon.job.summary"]
     panel = bpy.types.FCN_PT_complete
     seen = []
 
@@ -47,7 +47,7 @@ def session(driver):
     prepare(driver)
     panel.append(look)
     yield from driver.sidebar(CATEGORY)
-    yield lambda: isinstance(latest.latest(), latest.Summary)
+    yield lambda: not isinstance(latest.latest(), str | None)
     found = latest.latest()
     yield lambda: shows(f"{found.strong:,} strong curves") and shows("Complete Curves")
 

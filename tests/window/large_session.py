@@ -28,12 +28,12 @@ def several():
 
 def session(driver):
     assert bpy.ops.preferences.addon_enable(module=EXTENSION) == {"FINISHED"}
-    running = sys.modules[f"{EXTENSION}.fcn_addon.session"]
-    latest = sys.modules[f"{EXTENSION}.fcn_addon.summary"]
+    running = sys.modules[f"{EXTENSION}.fcn_addon.job.session"]
+    latest = sys.modules[f"{EXTENSION}.fcn_addon.job.summary"]
     prepare(driver)
     several()
     yield from driver.sidebar(CATEGORY)
-    yield lambda: isinstance(latest.latest(), latest.Summary) and latest.latest().samples >= 16_000
+    yield lambda: not isinstance(latest.latest(), str | None) and latest.latest().samples >= 16_000
     driver.note(f"{latest.latest().samples:,} samples, {latest.latest().strong} strong curves")
     found = []
     yield from driver.find("bpy.ops.fcn.complete()", found)

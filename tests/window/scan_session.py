@@ -39,7 +39,7 @@ def prepare(driver):
 
 def session(driver):
     assert bpy.ops.preferences.addon_enable(module=EXTENSION) == {"FINISHED"}
-    running = sys.modules[f"{EXTENSION}.fcn_addon.session"]
+    running = sys.modules[f"{EXTENSION}.fcn_addon.job.session"]
     prepare(driver)
     yield from driver.sidebar(CATEGORY)
     driver.picture("s1-scan")

@@ -47,11 +47,11 @@ def visible():
 
 def session(driver):
     assert bpy.ops.preferences.addon_enable(module=EXTENSION) == {"FINISHED"}
-    running = sys.modules[f"{EXTENSION}.fcn_addon.session"]
-    latest = sys.modules[f"{EXTENSION}.fcn_addon.summary"]
+    running = sys.modules[f"{EXTENSION}.fcn_addon.job.session"]
+    latest = sys.modules[f"{EXTENSION}.fcn_addon.job.summary"]
     prepare(driver)
     yield from driver.sidebar(CATEGORY)
-    yield lambda: isinstance(latest.latest(), latest.Summary)
+    yield lambda: not isinstance(latest.latest(), str | None)
     yield 0.3
     driver.picture("1-panel")
     found = []

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from core.detection.chains import chains
-from core.detection.hysteresis import clear_segments, without_faint_tails
+from core.detection.lines.hysteresis import clear_segments, without_faint_tails
 from tests.core.detection import oracle
 
 GRAPHS = st.lists(st.tuples(st.integers(0, 14), st.integers(0, 14)), max_size=30)

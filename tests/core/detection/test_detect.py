@@ -156,7 +156,7 @@ def test_the_order_of_vertices_and_faces_changes_nothing():
 
 
 def test_the_points_lie_on_the_surface_and_input_is_kept():
-    from core.detection.surface import Surface
+    from core.detection.lines.surface import Surface
 
     v, f = sheet()
     kept = v.copy(), f.copy()

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from core.detection import DetectionParameters, TriangleMesh, detect
-from core.detection.junctions import met
-from core.detection.surface import Surface
-from core.detection.tensor import curvature
+from core.detection.curvature.tensor import curvature
+from core.detection.lines.junctions import met
+from core.detection.lines.surface import Surface
 from core.detection.values import RIDGE, VALLEY
 from tests.core.detection import surfaces
 from tests.core.detection.test_lines import lines_of, row

@@ -5,13 +5,13 @@ import numpy as np
 import pytest
 
 from core.detection import TriangleMesh
-from core.detection.extremality import fold_angle
-from core.detection.lines import Lines
-from core.detection.linking import best_pairs, linked
-from core.detection.merging import without_doubles, without_spurs
-from core.detection.sharp import boundary_lines, dihedral_angles, sharp_lines
-from core.detection.surface import Surface
-from core.detection.tensor import curvature
+from core.detection.curvature.tensor import curvature
+from core.detection.lines.extremality import fold_angle
+from core.detection.lines.lines import Lines
+from core.detection.lines.linking import best_pairs, linked
+from core.detection.lines.merging import without_doubles, without_spurs
+from core.detection.lines.sharp import boundary_lines, dihedral_angles, sharp_lines
+from core.detection.lines.surface import Surface
 from tests.core.detection import surfaces
 
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from core.detection import TriangleMesh
-from core.detection.mesh import triangulate
+from core.detection.mesh.mesh import triangulate
 from core.errors import InputError
 from tests.core.detection import surfaces
 

@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 
 from core.detection import DetectionParameters, TriangleMesh, detect, measure
-from core.detection.extremality import fold_angle
-from core.detection.noise import noise_level
-from core.detection.tensor import vertex_normals
+from core.detection.curvature.noise import noise_level
+from core.detection.curvature.tensor import vertex_normals
+from core.detection.lines.extremality import fold_angle
 from tests.core.detection import oracle, surfaces
 
 

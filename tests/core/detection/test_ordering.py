@@ -4,10 +4,11 @@
 import numpy as np
 import pytest
 
-from core.detection import TriangleMesh, mesh
-from core.detection.blocks import gather, parts, sums
-from core.detection.edges import edge_table, face_pairs
-from core.detection.ordering import group_starts, order_by
+from core.detection import TriangleMesh
+from core.detection.mesh import mesh
+from core.detection.mesh.blocks import gather, parts, sums
+from core.detection.mesh.edges import edge_table, face_pairs
+from core.detection.mesh.ordering import group_starts, order_by
 from tests.core.detection import surfaces
 
 

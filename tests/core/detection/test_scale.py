@@ -6,9 +6,9 @@ import pytest
 from scipy.spatial import cKDTree
 
 from core.detection import TriangleMesh, detect, measure
+from core.detection.curvature.smoothing import Diffusion
+from core.detection.curvature.tensor import curvature
 from core.detection.scale import width_of_folds
-from core.detection.smoothing import Diffusion
-from core.detection.tensor import curvature
 from tests.core.detection import surfaces
 
 SHARES = [0.0, 0.0005, 0.001]

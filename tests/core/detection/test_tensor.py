@@ -5,10 +5,9 @@ import numpy as np
 import pytest
 
 from core.detection import TriangleMesh
-from core.detection.extremality import _DOMINANT, _PROMINENT, crest_lines
-from core.detection.smoothing import Diffusion
-from core.detection.tensor import cubic as applied
-from core.detection.tensor import (
+from core.detection.curvature.smoothing import Diffusion
+from core.detection.curvature.tensor import cubic as applied
+from core.detection.curvature.tensor import (
     curvature,
     principal,
     tangent_frames,
@@ -16,6 +15,7 @@ from core.detection.tensor import (
     vertex_normals,
     vertex_tensors,
 )
+from core.detection.lines.extremality import _DOMINANT, _PROMINENT, crest_lines
 from tests.core.detection import oracle, surfaces
 
 

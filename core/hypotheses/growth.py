@@ -1,0 +1,183 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Growth of a thing from a seed: more poses, then more curves, in turn, while the score rises."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ..evidence.alignment import align
+from ..evidence.decoys import SHIFTS, decoys
+from ..evidence.field import Field
+from ..evidence.odds import LEAST_CHANCE
+from ..geometry.motions import inverse
+from .extent import _spread, chance_of, extended
+from .hypothesis import SPACING, Hypothesis, distinct, explained, pose_scores
+from .seeding import Seeds
+from .symmetry import oriented
+
+FREE_POSE, WITNESS, ORBIT_POSE = 25.0, 6.0, 7.0
+"""Cost of a pose in nats: six numbers of which each could be anything in the scene; what each other prediction of the
+pose by two others takes off it; and the least, of a pose that an orbit predicts."""
+
+PROMINENT = 5.0
+"""Log odds by which a pose must beat its own shifts."""
+
+PARTIAL = 0.5
+"""Share of what an occurrence typically shows that each must show: what shows less is another thing's."""
+
+SAME_POSE, NEAR_SEED = 6.0, 4.0
+"""RMS edge lengths within which poses are one, and edge lengths within which a seed starts in a thing."""
+
+CORE, REACHES, WIDE = 15.0, (20.0, 40.0), 90.0
+"""Edge lengths: the thing that a seed starts with, how far it grows in the first rounds, and in the last."""
+
+TRIED, FINE, SAMPLED, CLOSURES = 1_500, 150, 120, 16
+"""Candidates that are looked at, those that are scored in full, points they are looked at with, and poses whose
+closures are formed; counts that bound the work."""
+
+
+def started(field: Field, seed_motion, source, *, shown=0.5) -> Hypothesis | None:
+    """The thing of one seed: the samples about its source that the motion takes onto the network."""
+    ball = np.array(field.tree.query_ball_point(field.points[source], CORE))
+    probe = field.probe(ball)
+    ball = ball[field.targets(seed_motion[None], probe)[0] >= 0]
+    if len(ball) < 8:
+        return None
+    ball = np.sort(ball)[_spread(field.points[np.sort(ball)], np.zeros(len(ball)), SPACING)]
+    probe = field.probe(ball)
+    poses = np.stack([np.eye(4), seed_motion])
+    chance = np.clip(chance_of(field, poses, probe), LEAST_CHANCE, 0.45)
+    return Hypothesis(probe, chance, poses, np.zeros(2), np.zeros(2), shown)
+
+
+def grown(field: Field, thing: Hypothesis, seeds: Seeds, taken, reaches) -> Hypothesis | None:
+    """The thing after a round of growth for each reach (0 keeps its curves); None where it comes to nothing."""
+    for reach in reaches:
+        if reach:
+            thing = extended(field, thing, taken, reach=reach)
+            if thing is None:
+                return None
+        thing = replace(thing, poses=align(field, thing.poses, thing.probe, radii=(2.5, 2.0)))
+        thing = rescored(field, with_more_poses(field, thing, seeds, taken), taken)
+        if len(thing) < 2:
+            return None
+        if reach:
+            thing = oriented(field, thing, taken)
+    return thing
+
+
+def full_grown(field: Field, thing: Hypothesis, seeds: Seeds, taken, rounds=3) -> Hypothesis:
+    """The thing grown until its poses do not change."""
+    for _ in range(rounds):
+        wider = extended(field, thing, taken, reach=WIDE)
+        if wider is None:
+            break
+        wider = replace(wider, poses=align(field, wider.poses, wider.probe, radii=(2.5, 2.0)))
+        wider = rescored(field, with_more_poses(field, wider, seeds, taken), taken)
+        if len(wider) < 2:
+            break
+        turned = oriented(field, wider, taken)
+        if turned is not wider:
+            thing = rescored(field, turned, taken)
+            continue
+        done = len(wider) == len(thing)
+        thing = wider
+        if done:
+            break
+    return thing
+
+
+def with_more_poses(field: Field, thing: Hypothesis, seeds: Seeds, taken) -> Hypothesis:
+    """The thing with the poses that seeds and closures lead to and the score accepts, best first."""
+    poses, witnesses = _candidates(thing, seeds, field)
+    if not len(poses):
+        return thing
+    owned = taken | explained(field, thing)
+    rough = thing.probe.take(np.arange(0, len(thing.probe), max(1, len(thing.probe) // SAMPLED)))
+    near = field.targets(poses, rough, 1.75 * field.radius)
+    share = ((near >= 0) & ~owned[near]).mean(axis=1)
+    order = np.argsort(-share, kind="stable")[:TRIED]
+    order = order[share[order] > 0.3 * thing.shown]
+    order = order[distinct(thing, poses[order], share[order] + 0.02 * np.minimum(witnesses[order], 4), gap=3.0)[:FINE]]
+    if not len(order):
+        return thing
+    poses, witnesses = align(field, poses[order], rough, radii=(4.0, 2.5, 2.0)), witnesses[order]
+    cost = np.maximum(FREE_POSE - WITNESS * (np.minimum(witnesses, 4) - 1), ORBIT_POSE)
+    score = pose_scores(field, thing, poses, owned, beside=thing.poses)[0]
+    alive = score > cost
+    known, scores, costs = [thing.poses], [thing.scores], [thing.cost]
+    while alive.any():
+        best = int(np.where(alive, score - cost, -np.inf).argmax())
+        alive[best] = False
+        pose = align(field, poses[best : best + 1], thing.probe, radii=(2.5, 2.0))
+        so_far = np.concatenate(known)
+        sure = pose_scores(field, thing, pose, owned, beside=so_far)[0][0]
+        if sure <= cost[best] or not _prominent(field, thing, pose, owned):
+            continue
+        known.append(pose)
+        scores.append([sure])
+        costs.append(cost[best : best + 1])
+        owned = owned | explained(field, thing, pose)
+        left = np.flatnonzero(alive)
+        if len(left):
+            score[left] = pose_scores(field, thing, poses[left], owned, beside=np.concatenate(known))[0]
+            alive[left] = score[left] > cost[left]
+    return replace(thing, poses=np.concatenate(known), scores=np.concatenate(scores), cost=np.concatenate(costs))
+
+
+def _prominent(field, thing, pose, owned):
+    """Whether a pose (1, 4, 4) beats its own shifts."""
+    wrong = decoys(pose, thing.points.mean(axis=0), thing.tangents)[0, :SHIFTS]
+    scores = pose_scores(field, thing, np.concatenate([pose, wrong]), owned)[0]
+    return scores[0] - scores[1:].max() >= PROMINENT
+
+
+def _candidates(thing, seeds, field):
+    """Poses (k, 4, 4) that seeds and closures lead to, and how many say so of each."""
+    source = field.points[seeds.source]
+    tree = cKDTree(thing.points)
+    out = [np.zeros((0, 4, 4))]
+    for pose in thing.poses:
+        back = inverse(pose)
+        inside = np.isfinite(tree.query(source @ back[:3, :3].T + back[:3, 3], distance_upper_bound=NEAR_SEED)[0])
+        out.append(seeds.motions[inside] @ pose)
+    poses = np.concatenate(out)
+    witnesses = np.ones(len(poses))
+    if len(thing) >= 3:
+        more, many = closures(thing)
+        poses, witnesses = np.concatenate([poses, more]), np.concatenate([witnesses, many])
+    return poses, witnesses
+
+
+def closures(thing):
+    """Poses (k, 4, 4) that what leads from one pose to another predicts, and how many predictions agree on each."""
+    poses = thing.poses[:CLOSURES]
+    k = len(poses)
+    steps = poses[:, None] @ inverse(poses)[None]
+    i, j, m = (x.ravel() for x in np.meshgrid(*[np.arange(k)] * 3, indexing="ij"))
+    use = (i != j) & (j != m)
+    predicted = steps[i[use], j[use]] @ poses[m[use]]
+    vectors = thing.embedded(predicted)
+    return predicted, cKDTree(vectors).query_ball_point(vectors, SAME_POSE, return_length=True)
+
+
+def rescored(field: Field, thing: Hypothesis, taken) -> Hypothesis:
+    """The thing with the scores of its poses in order, each sample explained once; without those that do not pay."""
+    owned = taken.copy()
+    kept, scores = [], []
+    for k in range(len(thing)):
+        pose = thing.poses[k : k + 1]
+        known = thing.poses[kept] if kept else None
+        score, terms, near = pose_scores(field, thing, pose, owned, beside=known)
+        if kept:
+            hit, tells = (near[0] >= 0) & (terms[0] > 0), terms[0] != 0
+            if score[0] < thing.cost[k] or hit.sum() < PARTIAL * thing.shown * tells.sum():
+                continue
+        kept.append(k)
+        scores.append(score[0])
+        owned |= explained(field, thing, pose)
+    out = replace(thing.at(kept), scores=np.array(scores))
+    return replace(out, cost=np.maximum(out.cost, ORBIT_POSE))

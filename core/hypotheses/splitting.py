@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Double cells: a thing that repeats within itself at a fraction of the step between its poses is two of a smaller one.
+
+What repeats at one offset in each pose, and not from pose to pose, is a thing within a thing (two jambs of each window)
+and no reason to split.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ..evidence.alignment import align
+from ..evidence.field import Field
+from ..geometry.motions import inverse
+from .extent import extended
+from .growth import FREE_POSE, ORBIT_POSE, rescored, with_more_poses
+from .hypothesis import Hypothesis, distinct, relative
+from .seeding import Seeds
+
+FRACTIONS, CLOSES, AWAY = (2, 3, 4), 4.0, 8.0
+"""Parts of a step that are tried, RMS edge lengths within which the parts must close a step (times their number), and
+edge lengths that the middle must move."""
+
+REPEATED, TRIES, FEWEST = 0.2, 3, 12
+"""Share of the thing that repeats within it, motions that are tried, and points that must repeat."""
+
+
+def split(field: Field, thing: Hypothesis, seeds: Seeds, taken) -> Hypothesis:
+    """The smaller thing with more poses that explains more, or the thing itself."""
+    if len(thing) < 2:
+        return thing
+    best = thing
+    for motion in _inner_motions(field, thing, seeds)[:TRIES]:
+        smaller = _halved(field, thing, motion, seeds, taken)
+        if smaller is not None and len(smaller) > len(thing) and smaller.gain - FREE_POSE > best.gain:
+            best = smaller
+    return best
+
+
+def _inner_motions(field, thing, seeds):
+    """Motions (k, 4, 4) of the frame that take a part of the thing onto another and are a fraction of a step."""
+    tree = cKDTree(thing.points)
+    source, out = field.points[seeds.source], []
+    for pose in thing.poses[:2]:
+        back = inverse(pose)
+        inside = np.isfinite(tree.query(source @ back[:3, :3].T + back[:3, 3], distance_upper_bound=3.0)[0])
+        out.append(back @ seeds.motions[inside] @ pose)
+    motions = np.concatenate(out)
+    if len(motions):
+        centre = thing.points.mean(axis=0)
+        way = np.linalg.norm(motions[:, :3, :3] @ centre + motions[:, :3, 3] - centre, axis=1)
+        motions = motions[way > AWAY]
+    if len(motions):
+        motions = motions[_closing(thing, motions)]
+    if not len(motions):
+        return motions
+    share = np.array([_repeated(thing, tree, m).mean() for m in motions])
+    motions, share = motions[share > REPEATED], share[share > REPEATED]
+    return motions[distinct(thing, motions, share, gap=AWAY)] if len(motions) else motions
+
+
+def _closing(thing, motions):
+    steps = cKDTree(thing.embedded(relative(thing.poses[:24])))
+    closes = np.zeros(len(motions), bool)
+    for n in FRACTIONS:
+        power = thing.embedded(np.linalg.matrix_power(motions, n))
+        closes |= steps.query(power)[0] < CLOSES * n
+    return closes
+
+
+def _repeated(thing, tree, motion):
+    """(m,) bool, points that a motion (4, 4) of the frame takes onto the thing itself."""
+    distance, near = tree.query(thing.points @ motion[:3, :3].T + motion[:3, 3])
+    same = np.abs(((thing.tangents @ motion[:3, :3].T) * thing.tangents[near]).sum(axis=1)) > 0.8
+    return (distance < 3.0) & same
+
+
+def _halved(field, thing, motion, seeds, taken):
+    """The part of a thing that a motion repeats within it, at the poses of both, grown anew; or None."""
+    inside = _repeated(thing, cKDTree(thing.points), motion)
+    if inside.sum() < FEWEST:
+        return None
+    part = replace(thing, probe=thing.probe.take(inside), chance=thing.chance[inside])
+    poses = np.concatenate([thing.poses, thing.poses @ motion])
+    poses = poses[np.sort(distinct(part, poses, -np.arange(len(poses)), gap=6.0))]
+    cost = np.full(len(poses), ORBIT_POSE)
+    cost[0] = 0.0
+    part = replace(part, poses=poses, scores=np.zeros(len(poses)), cost=cost)
+    for reach in (0.0, 15.0, 30.0, 60.0):
+        if reach:
+            part = extended(field, part, taken, reach=reach)
+            if part is None:
+                return None
+        part = replace(part, poses=align(field, part.poses, part.probe, radii=(2.5, 2.0)))
+        part = rescored(field, part, taken)
+        if len(part) < 2:
+            return None
+        if reach:
+            part = rescored(field, with_more_poses(field, part, seeds, taken), taken)
+    return part

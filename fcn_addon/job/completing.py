@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The run that completes the chosen curves."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, replace
+
+import bpy
+import numpy as np
+from bpy.app.translations import pgettext_rpt as rpt_
+
+from ...core.errors import InputError
+from ...core.files.network import Reading
+from ...core.parameters import Parameters
+from .. import progress
+from ..installation import require_scipy
+from ..properties.settings import parameters
+from ..result import stored, views, writer
+from ..scene import reader
+from ..scene.identity import Identity
+from ..scene.units import unit_length
+from ..scene.visibility import shown
+from . import chosen
+from .estimate import summarise
+from .session import RunKind
+
+
+@dataclass(frozen=True)
+class Task:
+    """All that a run needs, taken from the scene at once; nothing in it is Blender's.
+
+    owner : (reading.count,) int64, which of `sources` each input curve comes from
+    edge_length : scene units, None to estimate it
+    replace : remove the earlier result of the same curves
+    """
+
+    label: str
+    scene: Identity
+    sources: tuple[Identity, ...]
+    reading: Reading
+    owner: np.ndarray
+    edge_length: float | None
+    parameters: Parameters
+    replace: bool
+
+
+def take(context, hidden=True) -> Task:
+    """Read what the settings choose. Raises InputError where that cannot be used.
+
+    hidden : evaluate hidden objects too, for which they are shown for a moment; otherwise they are read as they were
+    """
+    why = chosen.why_not(context)
+    if why:
+        raise InputError(why)
+    objects = chosen.chosen(context)
+    with shown(context, objects if hidden else ()):
+        depsgraph = context.evaluated_depsgraph_get()
+        read = reader.read_objects(objects, depsgraph)
+        unit = chosen.edge_length(context, depsgraph) or read.reading.edge_length
+    return Task(
+        chosen.label(context, objects),
+        Identity.of(context.scene),
+        tuple(Identity.of(item) for item in objects),
+        read.reading,
+        read.owner,
+        unit,
+        parameters(context.scene.fcn.parameters),
+        context.scene.fcn.earlier == "REPLACE",
+    )
+
+
+def leaving_room(parameters):
+    """The parameters with one processor left to the window, unless the number of threads is set."""
+    return parameters if parameters.threads else replace(parameters, threads=max(1, (os.cpu_count() or 2) - 1))
+
+
+def _seconds(task) -> float:
+    return summarise(task.reading.curves, task.edge_length, task.parameters).seconds
+
+
+def _work(task, report):
+    """The method; this runs in the thread."""
+    require_scipy()
+    from ...core.pipeline import complete
+
+    return complete(task.reading.curves, edge_length=task.edge_length, parameters=task.parameters, progress=report)
+
+
+def finish(context, task, completion):
+    """Put a completion into the scene; the result's collection.
+
+    Raises InputError where the source has gone. On any fault nothing is left behind.
+    """
+    gone = missing(task)
+    if gone:
+        text = rpt_("{gone} has gone while its curves were completed; the result is not used")
+        raise InputError(text.format(gone=gone))
+    scene = task.scene.find(bpy.data.scenes)
+    earlier = [r for r in stored.of_scene(scene) if task.replace and r.fcn_result.source == task.label]
+    length = unit_length(scene)
+    root = writer.write(completion, task.reading.curves, source=task.label, scene=scene, length=length)
+    try:
+        stored.describe(root, completion, task, length)
+        views.refresh(root)
+    except BaseException:
+        stored.remove(root)
+        raise
+    for old in earlier:
+        stored.remove(old)
+    root.name = f"FCN {task.label}"[:63]
+    scene.fcn.result = root
+    _hide(context, scene, task)
+    return root
+
+
+def _hide(context, scene, task):
+    """Hide the source, in the view layer only, and deselect it; the objects themselves are not changed."""
+    layer = context.view_layer if context.scene == scene else scene.view_layers[0]
+    for source in task.sources:
+        item = source.find(bpy.data.objects)
+        if item.name in layer.objects:
+            item.select_set(False, view_layer=layer)
+            item.hide_set(True, view_layer=layer)
+
+
+def missing(task) -> str | None:
+    """What of a task has gone from the file, in words; None if all is there."""
+    scene = task.scene.find(bpy.data.scenes)
+    if scene is None:
+        return rpt_("scene {name!r}").format(name=task.scene.name)
+    for source in task.sources:
+        item = source.find(bpy.data.objects)
+        if item is None or item.name not in scene.objects:
+            return rpt_("object {name!r}").format(name=source.name)
+    return None
+
+
+COMPLETE = RunKind(
+    take,
+    _seconds,
+    lambda task, report: _work(task, report),
+    finish,
+    progress.SHARES,
+    lambda task: replace(task, parameters=leaving_room(task.parameters)),
+)

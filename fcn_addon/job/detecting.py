@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The run that detects the feature curves of a scan."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+from bpy.app.translations import pgettext_rpt as rpt_
+
+from ...core.detection.parameters import DetectionParameters
+from ...core.errors import InputError
+from .. import progress, scans
+from ..detected import edge_mesh, kept
+from ..detected.kept import Measured
+from ..installation import require_scipy
+from ..properties import from_parameters
+from ..properties import settings as of_scene
+from ..scene import working_copy
+from ..scene.identity import Identity
+from .session import RunKind
+
+SECONDS_PER_FACE = 2.0e-5
+
+
+@dataclass(frozen=True)
+class Task:
+    """All that a run needs; nothing in it is Blender's.
+
+    scan : scans.Scan; kinds : of ridges, valleys, sharp and boundary -> bool
+    replace : remove the curves that were detected on this scan before
+    method : Parameters to complete the curves with, None to leave them
+    """
+
+    label: str
+    scene: Identity
+    source: Identity
+    scan: scans.Scan
+    parameters: object
+    kinds: dict
+    replace: bool
+    method: object = None
+
+
+@dataclass(frozen=True)
+class Made:
+    """What a run gave: FeatureCurves, the measurement, and the Completion where it was asked for."""
+
+    found: object
+    measured: Measured
+    completion: object = None
+
+
+def scan_of(context):
+    """The mesh with faces that a run would take: the active object if it is selected, else the only one selected."""
+    surfaces = [o for o in context.selected_objects if o.type == "MESH" and len(o.data.polygons)]
+    if context.active_object in surfaces:
+        return context.active_object
+    return surfaces[0] if len(surfaces) == 1 else None
+
+
+def why_not(context) -> str | None:
+    """What is missing for a run, None if nothing is. Cheap: it is asked at every redraw."""
+    if context.mode != "OBJECT":
+        return "Leave the edit mode first"
+    if scan_of(context) is None:
+        return "Select one mesh with faces"
+    settings = context.scene.fcn.detection
+    if not (settings.ridges or settings.valleys or settings.sharp or settings.boundary):
+        return "Choose ridges, valleys, sharp edges or boundaries"
+    return None
+
+
+def take(context, complete=False) -> Task:
+    """Read the scan and the settings. Raises InputError."""
+    why = why_not(context)
+    if why:
+        raise InputError(why)
+    item, settings = scan_of(context), context.scene.fcn.detection
+    parameters = from_parameters.read(settings, DetectionParameters)
+    method = of_scene.parameters(context.scene.fcn.parameters) if complete else None
+    points, triangles = working_copy.read(item, context, settings.faces if settings.use_copy else None)
+    return Task(
+        item.name,
+        Identity.of(context.scene),
+        Identity.of(item),
+        scans.Scan(f"object {item.name!r}", points, triangles),
+        parameters,
+        {name: getattr(settings, name) for name in ("ridges", "valleys", "sharp", "boundary")},
+        context.scene.fcn.earlier == "REPLACE",
+        method,
+    )
+
+
+def work(task, report) -> Made:
+    """Detect, and complete where that is asked for; this runs in the thread."""
+    require_scipy()
+    from ...core import detection
+
+    fingerprint = _fingerprint(task.scan)
+    known = kept.measured(task.label)
+    try:
+        if known is None or known.fingerprint != fingerprint or known.detail != task.parameters.detail:
+            mesh = detection.TriangleMesh.of(task.scan.points, task.scan.triangles, progress=report)
+            field = detection.measure(mesh, parameters=task.parameters, progress=report)
+            known = Measured(fingerprint, task.parameters.detail, mesh, field)
+        found = detection.detect(
+            known.mesh, parameters=task.parameters, field=known.field, progress=report, **task.kinds
+        )
+    except InputError as error:
+        raise InputError(f"{task.scan.name}: {error}") from None
+    scans.require_curves(task.scan.name, found, task.parameters)
+    if task.method is None:
+        return Made(found, known)
+    from ...core.pipeline import complete
+
+    return Made(
+        found, known, complete(found.curves, edge_length=found.edge_length, parameters=task.method, progress=report)
+    )
+
+
+def _fingerprint(scan) -> bytes:
+    """What changes when the scan is edited, moved or made smaller in another way."""
+    digest = hashlib.blake2b(np.ascontiguousarray(scan.points))
+    digest.update(np.ascontiguousarray(scan.triangles))
+    return digest.digest()
+
+
+def finish(context, task, made):
+    """Put the curves into the scene; their object. Raises InputError where the scan has gone."""
+    scene, source = task.scene.find(bpy.data.scenes), task.source.find(bpy.data.objects)
+    if scene is None or source is None or source.name not in scene.objects:
+        text = rpt_("object {name!r} has gone while its curves were detected; they are not used")
+        raise InputError(text.format(name=task.label))
+    earlier = [o for o in scene.objects if task.replace and o.fcn_curves.scan == task.label and o.type == "MESH"]
+    item = edge_mesh.make(f"{task.label} curves", made.found)
+    scene.collection.objects.link(item)
+    curves = item.fcn_curves
+    curves.scan, curves.total, curves.shown = task.label, len(made.found), len(made.found)
+    for old in earlier:
+        kept.remove(old)
+    item.name = f"{task.label} curves"
+    if context.scene == scene:
+        for other in context.selected_objects:
+            other.select_set(False)
+        item.select_set(True)
+        context.view_layer.objects.active = item
+    kept.keep(task.label, made.measured, item, made.found)
+    return item
+
+
+def seconds(task) -> float:
+    """A rough time for a run."""
+    return 1.0 + SECONDS_PER_FACE * len(task.scan.triangles) * (1 if task.method is None else 15)
+
+
+DETECT = RunKind(take, seconds, work, finish, progress.DETECTION)

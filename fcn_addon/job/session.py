@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The one run that may be under way: it begins from the scene, is watched, and ends; what it does it is told."""
+
+from __future__ import annotations
+
+import time
+import traceback
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
+
+from ...core.errors import Cancelled, InputError
+from .. import progress
+from .thread import Job
+
+PATIENCE = 5.0  # seconds to wait for a thread that was asked to stop
+GRACE = 0.3  # seconds that the window waits for it; what is still at work then is left to end by itself
+
+
+@dataclass(frozen=True)
+class RunKind:
+    """What a run does.
+
+    take : (context) -> the task, with arrays instead of Blender's data; raises InputError
+    seconds : (task) -> about how long it takes; in the thread
+    work : (task, report) -> what comes out of it, in the thread
+    finish : (context, task, what came out) -> what was put into the scene; raises InputError
+    shares : stage -> share of the time that it takes, in the order of the stages
+    beside : (task) -> the task for a thread beside the window
+    """
+
+    take: Callable
+    seconds: Callable
+    work: Callable
+    finish: Callable
+    shares: dict
+    beside: Callable = lambda task: task
+
+
+@dataclass
+class Run:
+    """A task at work.
+
+    timer : of the window, kept here so that whatever ends the run can remove it
+    asked : when it was asked to stop
+    """
+
+    kind: RunKind
+    task: object
+    job: Job
+    progress: progress.Progress
+    timer: object = None
+    shown: tuple = field(default=())
+    asked: float | None = None
+
+    @property
+    def over(self) -> bool:
+        """Whether there is nothing more to wait for."""
+        late = self.asked is not None and time.monotonic() - self.asked > GRACE
+        return late or not self.job.running
+
+
+_run = None
+_leaving = []  # jobs that were asked to stop and have not yet
+
+
+def running() -> bool:
+    """Whether a run is under way."""
+    return _run is not None
+
+
+def current():
+    """The run that is under way, None if there is none."""
+    return _run
+
+
+def begin(context, kind) -> Run:
+    """Take the task from the scene and start to work on it in a thread.
+
+    Raises InputError.
+    """
+    global _run
+    if _run is not None:
+        raise InputError("a run is under way; wait for it or cancel it")
+    task = kind.take(context)
+    ahead = progress.Progress(0.0, time.monotonic(), kind.shares)
+    ours = kind.beside(task)
+
+    def work(report):
+        ahead.expect(kind.seconds(ours))  # that takes long enough for many curves to be felt in the window
+        return kind.work(ours, report)
+
+    _run = Run(kind, task, Job(work), ahead)
+    _run.job.start()
+    return _run
+
+
+def run_now(context, kind, report=None):
+    """The whole run at once, without a thread; what it put into the scene."""
+    task = kind.take(context)
+    return kind.finish(context, task, kind.work(task, report or (lambda stage, fraction: None)))
+
+
+def tick() -> bool:
+    """Take in what the thread has said; whether what is shown has changed."""
+    now = time.monotonic()
+    news = _run.job.news()
+    if news is not None:
+        _run.progress.update(*news, now)
+    shown = (_run.job.stopping, _run.progress.label, round(_run.progress.fraction, 2), round(_run.progress.left(now)))
+    changed, _run.shown = shown != _run.shown, shown
+    return changed
+
+
+def outcome(run):
+    """The Completion of a run that has ended. Raises Cancelled or InputError."""
+    if run.job.stopped or run.job.stopping:
+        raise Cancelled
+    error = run.job.error
+    if isinstance(error, InputError):
+        raise error
+    if isinstance(error, MemoryError):
+        raise InputError("there is not enough memory for this; choose fewer curves or a longer edge length")
+    if error is not None:
+        traceback.print_exception(error)
+        raise InputError(rpt_("a fault of the program: {error!r}; the console has the details").format(error=error))
+    return run.job.result
+
+
+def cancel():
+    """Ask the run to stop; it ends within its next steps."""
+    if _run is not None and _run.asked is None:
+        _run.asked = time.monotonic()
+        _run.job.stop()
+
+
+def leave(context):
+    """Forget the run without waiting for its thread, which ends at its next step; nothing takes its result then."""
+    global _leaving
+    if _run.job.running:
+        _run.job.stop()
+        _leaving = [job for job in (*_leaving, _run.job) if job.running]
+    _forget(context)
+
+
+def end(context=None):
+    """Forget the run, and wait for all threads, which are asked to stop. Harmless where there is none."""
+    if _run is not None:
+        leave(context or bpy.context)
+    until = time.monotonic() + PATIENCE
+    while _leaving:
+        _leaving.pop().join(max(until - time.monotonic(), 0.1))
+
+
+def _forget(context):
+    global _run
+    run, _run = _run, None
+    if run.timer is not None:
+        timer, run.timer = run.timer, None
+        context.window_manager.event_timer_remove(timer)

@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender properties made from the fields of a dataclass of parameters, and back."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from math import degrees, inf, radians
+
+from bpy.props import FloatProperty, IntProperty
+
+from ...core.parameters import COUNT, DEGREES
+
+
+def annotations(of, labels, update=None) -> dict:
+    """A property for each field, with its default, bounds and words.
+
+    labels : field name -> its name in the interface, where it is not that of the field
+    """
+    return {field.name: _property(field, labels, update) for field in fields(of)}
+
+
+def _property(field, labels, update):
+    text, low, high = field.metadata["help"], field.metadata["low"], field.metadata["high"]
+    name = labels.get(field.name, field.name.replace("_", " ").title())
+    common = {"name": name, "description": text[:1].upper() + text[1:], "update": update}
+    if field.metadata["unit"] == COUNT:
+        high = {} if high == inf else {"max": int(high)}
+        return IntProperty(default=int(field.default), min=int(low), **high, **common)
+    if field.metadata["unit"] == DEGREES:
+        low, high, default = radians(low), radians(high), radians(field.default)
+        return FloatProperty(default=default, min=low, max=high, subtype="ANGLE", precision=2, step=10, **common)
+    high = {} if high == inf else {"max": high}
+    return FloatProperty(default=field.default, min=low, **high, precision=2, step=10, **common)
+
+
+def read(group, of):
+    """The validated parameters from their properties.
+
+    Properties hold float32; six digits take 1.5 degrees back to 1.5.
+    """
+    values = {}
+    for field in fields(of):
+        value = getattr(group, field.name)
+        if field.metadata["unit"] == DEGREES:
+            value = degrees(value)
+        values[field.name] = int(value) if field.metadata["unit"] == COUNT else float(f"{value:.6g}")
+    return of(**values).validate()
+
+
+def write(group, values):
+    """Write parameters to their properties."""
+    for field in fields(values):
+        value = getattr(values, field.name)
+        setattr(group, field.name, radians(value) if field.metadata["unit"] == DEGREES else value)

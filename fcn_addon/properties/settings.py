@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The settings of a run: properties of the scene, saved in the .blend."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+
+import bpy
+from bpy.props import EnumProperty, FloatProperty, PointerProperty
+from bpy.types import PropertyGroup
+
+from ...core.parameters import EDGES, Parameters
+from ..detected.kept import FCN_PG_curves
+from ..registration import register_classes, unregister_classes
+from ..result import stored
+from . import changes, from_parameters
+from .detection import FCN_PG_detection
+
+LABELS = {
+    "l0": "Shortest Match",
+    "s": "Match Distance",
+    "t": "Extended Distance",
+    "delta_l": "Extension Step",
+    "strong_curvature": "Strong Curvature",
+    "bin_translation": "Bin Size",
+    "bin_rotation": "Bin Angle",
+    "cluster_translation": "Cluster Distance",
+    "cluster_rotation": "Cluster Angle",
+    "bayes_ratio": "Bayes Ratio",
+    "keep_length": "Keep Length",
+    "keep_curvature": "Keep Curvature",
+    "smoothing": "Smoothing",
+    "link_gap": "Largest Gap",
+    "epsilon": "Feature Radius",
+    "block": "Block Size",
+    "threads": "Threads",
+}
+BASIC = ("smoothing", "l0", "s", "link_gap", "epsilon")  # what a user changes first; the rest is in a sub-panel
+
+
+FCN_PG_parameters = type(
+    "FCN_PG_parameters",
+    (PropertyGroup,),
+    {
+        "__doc__": "The parameters of the method, made from `Parameters`.",
+        "__annotations__": from_parameters.annotations(Parameters, LABELS, changes.update),
+    },
+)
+
+
+def in_edges() -> set[str]:
+    """Names of the parameters that are multiples of the edge length."""
+    return {field.name for field in fields(Parameters) if field.metadata["unit"] == EDGES}
+
+
+def parameters(group) -> Parameters:
+    """The validated parameters of the method from their properties."""
+    return from_parameters.read(group, Parameters)
+
+
+def set_parameters(group, values):
+    """Write a `Parameters` to its properties."""
+    from_parameters.write(group, values)
+
+
+def _has_faces(_, item):
+    return item.type == "MESH" and len(item.data.polygons) > 0
+
+
+def _is_result_here(settings, item):
+    return item.fcn_result.is_result and item in stored.of_scene(settings.id_data)
+
+
+class FCN_PG_settings(PropertyGroup):
+    """What to complete and how."""
+
+    source: EnumProperty(
+        name="Curves",
+        description="Where the curves to complete come from",
+        items=(
+            ("SELECTION", "Selection", "The selected edge meshes and curve objects"),
+            ("COLLECTION", "Collection", "All edge meshes and curve objects of a collection and of those inside it"),
+        ),
+        update=changes.update,
+    )
+    collection: PointerProperty(
+        type=bpy.types.Collection,
+        name="Collection",
+        description="The collection that holds the curves",
+        poll=lambda _, item: not item.fcn_result.is_result,
+        update=changes.update,
+    )
+    edge_length_from: EnumProperty(
+        name="Edge Length",
+        description="The mean edge length of the scan that the curves come from. All sizes are multiples of it",
+        items=(
+            ("ESTIMATE", "Estimate", "Take what detected curves know, or estimate it from the segments of the curves"),
+            ("SCAN", "From Scan", "Measure it on the scan that the curves come from"),
+            ("VALUE", "Value", "Type it in"),
+        ),
+        update=changes.update,
+    )
+    scan: PointerProperty(
+        type=bpy.types.Object,
+        name="Scan",
+        description="The mesh that the curves come from; only its mean edge length is taken",
+        poll=_has_faces,
+        update=changes.update,
+    )
+    edge_length: FloatProperty(
+        name="Edge Length",
+        description="Mean edge length of the scan that the curves come from",
+        subtype="DISTANCE",
+        default=0.02,
+        min=1e-6,
+        soft_max=1.0,
+        precision=4,
+        step=0.1,
+        update=changes.update,
+    )
+    earlier: EnumProperty(
+        name="Earlier Result",
+        description="What happens to the result that an earlier run made of the same curves",
+        items=(
+            ("REPLACE", "Replace", "Remove it when the new one is there"),
+            ("KEEP", "Keep", "Leave it and put the new one beside it"),
+        ),
+    )
+    result: PointerProperty(
+        type=bpy.types.Collection,
+        name="Result",
+        description="The result that the panel is about",
+        poll=_is_result_here,
+    )
+    parameters: PointerProperty(type=FCN_PG_parameters)
+    detection: PointerProperty(type=FCN_PG_detection)
+
+
+CLASSES = (
+    FCN_PG_detection,
+    FCN_PG_curves,
+    FCN_PG_parameters,
+    stored.FCN_PG_transformation,
+    stored.FCN_PG_result,
+    FCN_PG_settings,
+)
+
+
+def register():
+    register_classes(CLASSES)
+    bpy.types.Collection.fcn_result = PointerProperty(type=stored.FCN_PG_result)
+    bpy.types.Object.fcn_curves = PointerProperty(type=FCN_PG_curves)
+    bpy.types.Scene.fcn = PointerProperty(type=FCN_PG_settings)
+
+
+def unregister():
+    del bpy.types.Scene.fcn
+    del bpy.types.Object.fcn_curves
+    del bpy.types.Collection.fcn_result
+    unregister_classes(CLASSES)

@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is visible of a result as one object, which other programs and geometry nodes understand."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from ...core.errors import InputError
+from .. import colours
+from ..scene import curve_data, reader
+from . import stored
+
+LABELS = ("template", "component", "occurrence")
+
+
+def visible_curves(root) -> list:
+    """The completed curves of a result that can be seen now."""
+    homes = [home for home in (stored.child(root, "templates"), stored.child(root, "strong")) if home]
+    return [o for home in homes for o in home.all_objects if "support" in o and o.visible_get()]
+
+
+def make(root, context, kind):
+    """One object of all visible curves, linked beside the result; kind is "CURVE", "MESH" or "CURVES".
+
+    The mesh has the support and the labels as attributes of its points, the new curves of each curve.
+    Raises InputError where nothing is visible.
+    """
+    objects = visible_curves(root)
+    if not objects:
+        raise InputError("no completed curve is visible; switch the view to Result")
+    read = reader.read_objects(objects, context.evaluated_depsgraph_get())
+    curves = read.reading.curves
+    support = np.array([o["support"] for o in objects], np.float32)
+    values = {"support": support, **{n: np.array([o[n] for o in objects], np.int32) for n in LABELS}}
+    owner = read.owner[curves.source]
+    values = {name: every[owner] for name, every in values.items()}
+    centre = 0.5 * (curves.points.min(axis=0) + curves.points.max(axis=0))
+    data = MAKERS[kind](f"{root.fcn_result.source} completed", curves, curves.points - centre, values)
+    item = bpy.data.objects.new(data.name, data)
+    item.location = centre
+    item.color = (*colours.TEMPLATE, 1.0)
+    context.scene.collection.objects.link(item)
+    return item
+
+
+def _curve(name, curves, points, _values):
+    return curve_data.curve_data(
+        name, [points[a:b] for a, b in zip(curves.offsets[:-1], curves.offsets[1:])], curves.closed
+    )
+
+
+def _mesh(name, curves, points, values):
+    data = curve_data.mesh_data(name, curves, points)
+    size = np.diff(curves.offsets)
+    for label, every in values.items():
+        _attribute(data, label, "POINT", np.repeat(every, size))
+    return data
+
+
+def _hair(name, curves, points, values):
+    data = bpy.data.hair_curves.new(name)
+    data.add_curves(np.diff(curves.offsets).tolist())
+    data.attributes["position"].data.foreach_set("vector", points.astype(np.float32).ravel())
+    if hasattr(data, "set_types"):
+        data.set_types(type="POLY")  # before that they are Catmull-Rom curves, through the same points
+    _attribute(data, "cyclic", "CURVE", curves.closed, kind="BOOLEAN")
+    for label, every in values.items():
+        _attribute(data, label, "CURVE", every)
+    return data
+
+
+def _attribute(data, name, domain, values, kind=None):
+    kind = kind or ("FLOAT" if values.dtype.kind == "f" else "INT")
+    attribute = data.attributes.get(name) or data.attributes.new(name, kind, domain)
+    attribute.data.foreach_set("value", values)
+
+
+MAKERS = {"CURVE": _curve, "MESH": _mesh, "CURVES": _hair}

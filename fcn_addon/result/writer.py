@@ -1,0 +1,199 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A completion as collections of curve objects. Only bpy.data is used, so it works in any context.
+
+FCN <source>
+    Input               the curves that were read, an edge mesh; hidden
+    Templates           per transformation a collection; an empty per occurrence holds the template's curves
+    Components          per component the same objects again, and the input pieces that show it; those are hidden
+    Strong              an object per strong single curve
+    Noise               the rest of the input; hidden
+
+Users may rename all of it, so each collection also says what it is in custom properties: its role, the
+transformation or the component that it is of.
+"""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from ...core.report import moved
+from .. import colours
+from ..scene.curve_data import curve_data, mesh_data
+from ..scene.units import unit_length
+from ..wording import titles
+from .views import ROLE
+
+
+def write(completion, curves, *, source, scene, length=None):
+    """Make the collections and link them to a scene; on any fault everything that was made is removed.
+
+    Parameters
+    ----------
+    completion, curves : a Completion and the Curves it is of
+    source : str, what the curves are called
+    length : turns scene units into words, by default with the unit of the scene
+
+    Returns
+    -------
+    bpy.types.Collection, the one that holds all others
+
+    Notes
+    -----
+    O(objects). Nothing is linked to the scene before all is made: each link into a scene's tree would visit the tree.
+    """
+    made = []
+    try:
+        root = _Writer(made, completion, curves).write(source, length or unit_length(scene))
+        scene.collection.children.link(root)
+    except BaseException:
+        bpy.data.batch_remove(made)
+        raise
+    return root
+
+
+class _Writer:
+    """Makes the data of one result; `made` collects all of it."""
+
+    def __init__(self, made, completion, curves):
+        self.made = made
+        self.completion = completion
+        self.curves = curves
+        self.components = {}
+
+    def write(self, source, length):
+        root = self._collection(f"FCN {source}"[:63])
+        self._input(self._role("Input", root, hidden=True))
+        templates = self._role("Templates", root)
+        components = self._role("Components", root)
+        self._templates(templates, titles(self.completion.transformations, length))
+        self._components(components)
+        self._strong(self._role("Strong", root))
+        noise = self._role("Noise", root, hidden=True)
+        pieces = np.flatnonzero(self.completion.inputs.kind == "noise")
+        if len(pieces):
+            self._pieces("Noise", pieces, noise, colours.NOISE)
+        return root
+
+    def _collection(self, name, parent=None, hidden=False):
+        collection = bpy.data.collections.new(name)
+        self.made.append(collection)
+        collection.hide_viewport = collection.hide_render = hidden
+        if parent is not None:
+            parent.children.link(collection)
+        return collection
+
+    def _role(self, name, root, hidden=False):
+        collection = self._collection(name, root, hidden)
+        collection[ROLE] = name.lower()
+        return collection
+
+    def _object(self, name, data, collection, colour=None):
+        made = bpy.data.objects.new(name, data)
+        self.made.append(made)
+        collection.objects.link(made)
+        if colour is not None:
+            made.color = (*colour, 1.0)
+            made.show_wire = True  # only then a viewport in solid mode draws the curve in its own colour
+        return made
+
+    def _curve(self, name, polylines, closed):
+        """Curve data with a poly spline each; without bevel."""
+        data = curve_data(name, polylines, closed)
+        self.made.append(data)
+        return data
+
+    def _input(self, collection):
+        """The input as one edge mesh, about its own centre, so that float32 holds it far from the origin too."""
+        curves = self.curves
+        centre = _centre(curves.points)
+        mesh = mesh_data("Input", curves, curves.points - centre)
+        self.made.append(mesh)
+        size = np.diff(curves.offsets)
+        for name, labels in (("source", curves.source), ("component", self.completion.inputs.component)):
+            owner = np.repeat(labels, size).astype(np.int32)
+            mesh.attributes.new(name, "INT", "POINT").data.foreach_set("value", owner)
+        if curves.strength is not None:
+            strength = curves.strength.astype(np.float32)
+            mesh.attributes.new("curvature", "FLOAT", "POINT").data.foreach_set("value", strength)
+        _place(self._object("Input", mesh, collection, colours.NOISE), centre)
+
+    def _templates(self, collection, named):
+        homes = {id: self._collection(title[:63], collection) for id, title in named.items()}
+        for id, home in homes.items():
+            home["transformation"] = int(id)
+        for template in self.completion.templates:
+            home = homes[template.transformation]
+            # The empties stand in the middle of what they hold; the template's space may be far from it.
+            centre = _centre(np.concatenate([c.points for c in template.curves]))
+            parts = [
+                (curve, self._curve(f"Template {template.id} curve {i}", [curve.points - centre], [curve.closed]))
+                for i, curve in enumerate(template.curves)
+            ]
+            for occurrence, motion in enumerate(template.occurrences):
+                self._occurrence(template, occurrence, motion, centre, parts, home)
+
+    def _occurrence(self, template, occurrence, motion, centre, parts, home):
+        holder = self._object(f"Template {template.id} at {occurrence}", None, home)
+        matrix = np.array(motion, float)
+        matrix[:3, 3] = moved(centre, matrix)
+        place = matrix.T.tolist()  # nested sequences are columns here
+        holder.matrix_world = place
+        back = np.linalg.inv(matrix).T.tolist()
+        holder.empty_display_size = 0.1 * max(_radius(template, centre), 1e-6)
+        holder["template"], holder["occurrence"] = int(template.id), occurrence
+        for (curve, data), support in zip(parts, template.evidence[occurrence].tolist()):
+            part = self._object(data.name, data, home, colours.TEMPLATE)
+            # Each has the occurrence as its own matrix, so that it stays where it is if the empty is deleted.
+            part.parent, part.matrix_parent_inverse, part.matrix_basis = holder, back, place
+            part["template"], part["occurrence"] = int(template.id), occurrence
+            part["component"], part["support"] = int(curve.component), support
+            if curve.component >= 0:
+                self.components.setdefault(int(curve.component), []).append(part)
+
+    def _components(self, collection):
+        shown = self.completion.inputs.component
+        for label in sorted({*self.components, *(int(c) for c in np.unique(shown) if c >= 0)}):
+            home = self._collection(f"Component {label}", collection)
+            home["component"] = label
+            for part in self.components.get(label, ()):
+                home.objects.link(part)
+            pieces = np.flatnonzero(shown == label)
+            if len(pieces):
+                made = self._pieces(f"Component {label} input", pieces, home, colours.distinct(label))
+                made.hide_viewport = made.hide_render = True
+                made["component"] = label
+
+    def _strong(self, collection):
+        for i, curve in enumerate(self.completion.strong):
+            centre = _centre(curve.points)
+            data = self._curve(f"Strong {i}", [curve.points - centre], [curve.closed])
+            made = self._object(data.name, data, collection, colours.STRONG)
+            _place(made, centre)
+            made["template"] = made["occurrence"] = made["component"] = -1
+            made["support"] = float(curve.support)
+
+    def _pieces(self, name, pieces, collection, colour):
+        """Input curves as one object."""
+        polylines = [self.curves.curve(i) for i in pieces]
+        centre = _centre(np.concatenate(polylines))
+        data = self._curve(name, [p - centre for p in polylines], self.curves.closed[pieces])
+        made = self._object(name, data, collection, colour)
+        _place(made, centre)
+        return made
+
+
+def _place(item, centre):
+    """Move an object, so that its matrix is right at once: a hidden one is not evaluated."""
+    matrix = np.eye(4)
+    matrix[3, :3] = centre
+    item.matrix_world = matrix.tolist()
+
+
+def _centre(points) -> np.ndarray:
+    """(3,) float64, the middle of the bounding box."""
+    return 0.5 * (points.min(axis=0) + points.max(axis=0))
+
+
+def _radius(template, centre) -> float:
+    return max(float(np.linalg.norm(c.points - centre, axis=1).max()) for c in template.curves)

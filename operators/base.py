@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What operators have in common."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..core.errors import Cancelled, InputError
+from ..fcn_addon.job import session
+from ..fcn_addon.result import selection, stored
+from ..fcn_addon.scene import viewports
+
+TICK = 0.1  # seconds between two looks at the thread
+
+
+LEAVE_EDIT_MODE = "Leave the edit mode first"
+NO_RESULT = "No result: complete curves first"
+
+
+class Polled:
+    """Says what is missing where it cannot run: operators have why_not(context) -> words, None if nothing is."""
+
+    @classmethod
+    def poll(cls, context):
+        why = cls.why_not(context)
+        if why:
+            cls.poll_message_set(why)
+        return not why
+
+
+class Background(Polled):
+    """Runs what `kind` says in a thread, watched by a timer; at once where there is no window.
+
+    Operators have kind() -> session.RunKind, and _finished(made), which reports and returns {"FINISHED"}.
+    """
+
+    def execute(self, context):
+        """At once, for scripts and where there is no window."""
+        try:
+            return self._finished(session.run_now(context, self.kind()))
+        except InputError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+
+    def invoke(self, context, event):
+        if bpy.app.background:
+            return self.execute(context)
+        try:
+            self.run = session.begin(context, self.kind())
+        except InputError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        self.run.timer = context.window_manager.event_timer_add(TICK, window=context.window)
+        context.window_manager.modal_handler_add(self)
+        viewports.redraw_panels(context)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event):
+        if session.current() is not self.run:  # a file was loaded, or the add-on switched off
+            return {"CANCELLED"}
+        if event.type == "ESC" and event.value == "PRESS" and viewports.is_over_viewport(context, event):
+            session.cancel()
+            viewports.redraw_panels(context)
+            return {"RUNNING_MODAL"}
+        if event.type == "TIMER":
+            if session.tick():
+                viewports.redraw_panels(context)
+            if self.run.over:
+                return self._end(context)
+        return {"PASS_THROUGH"}
+
+    def cancel(self, context):
+        if session.current() is self.run:
+            session.end(context)
+
+    def _end(self, context):
+        session.leave(context)
+        viewports.redraw_panels(context)
+        try:
+            made = self.run.kind.finish(context, self.run.task, session.outcome(self.run))
+        except Cancelled:
+            self.report({"INFO"}, "Stopped; nothing was changed")
+            return {"CANCELLED"}
+        except InputError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        viewports.show_object_colours(context)
+        return self._finished(made)
+
+
+class OnOccurrence(Polled):
+    """Needs a selected curve of an occurrence, in object mode; says so where there is none."""
+
+    @classmethod
+    def why_not(cls, context):
+        if context.mode != "OBJECT":
+            return LEAVE_EDIT_MODE
+        if not any(map(selection.is_of_occurrence, context.selected_objects)):
+            return "Select a curve of an occurrence"
+        return None
+
+
+class OnResult(Polled):
+    """Needs a result, in object mode; says so where there is none."""
+
+    @classmethod
+    def why_not(cls, context):
+        if context.mode != "OBJECT":
+            return LEAVE_EDIT_MODE
+        return None if stored.active(context.scene) is not None else NO_RESULT

@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Edit the curves that all occurrences of a template share."""
+
+from __future__ import annotations
+
+import bpy
+
+from ...fcn_addon.result import selection
+from ...fcn_addon.scene import viewports
+from ..base import Polled
+
+
+class FCN_OT_edit_template(Polled, bpy.types.Operator):
+    """Edit the curves of this template alone: what is changed in one occurrence changes in all. Again goes back"""
+
+    bl_idname = "fcn.edit_template"
+    bl_label = "Edit Template"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def why_not(cls, context):
+        found = context.active_object is not None and selection.is_of_occurrence(context.active_object)
+        return None if found else "Make a curve of an occurrence active"
+
+    def execute(self, context):
+        if context.mode != "OBJECT":
+            bpy.ops.object.mode_set(mode="OBJECT")
+            viewports.isolate(context, False)
+            return {"FINISHED"}
+        parts = [item for item in selection.parts([context.active_object]) if item.visible_get()]
+        if not parts:
+            self.report({"ERROR"}, "No curve of this occurrence is visible")
+            return {"CANCELLED"}
+        active = context.active_object if context.active_object in parts else parts[0]
+        selection.select(context, parts, active=active)
+        viewports.isolate(context, True)
+        bpy.ops.object.mode_set(mode="EDIT")
+        return {"FINISHED"}

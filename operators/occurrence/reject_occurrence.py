@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Take single occurrences out of the result."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
+
+from ...fcn_addon.result import selection, views
+from ..base import Polled
+
+
+class FCN_OT_reject_occurrence(Polled, bpy.types.Operator):
+    """Take the occurrences that the selected curves belong to out of the result"""
+
+    bl_idname = "fcn.reject_occurrence"
+    bl_label = "Reject Occurrence"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def why_not(cls, context):
+        found = any(map(selection.is_of_occurrence, context.selected_objects))
+        return None if found else "Select a curve of an occurrence"
+
+    def execute(self, context):
+        chosen = selection.holders(context.selected_objects)
+        rejected = [*chosen, *selection.parts(context.selected_objects)]
+        roots = {selection.result_of(context.scene, item) for item in rejected} - {None}
+        for item in rejected:
+            item["rejected"] = True
+        for root in roots:
+            views.refresh(root)
+        self.report({"INFO"}, rpt_("{count} occurrences rejected").format(count=len(chosen)))
+        return {"FINISHED"}

@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Take all rejected parts back into the result."""
+
+from __future__ import annotations
+
+import bpy
+
+from ...fcn_addon.result import stored, views
+from ..base import NO_RESULT, Polled
+
+
+class FCN_OT_restore(Polled, bpy.types.Operator):
+    """Take all rejected transformations and occurrences of this result back in"""
+
+    bl_idname = "fcn.restore"
+    bl_label = "Restore Rejected"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def why_not(cls, context):
+        return None if stored.active(context.scene) is not None else NO_RESULT
+
+    def execute(self, context):
+        root = stored.active(context.scene)
+        rejected = [item for item in root.all_objects if "rejected" in item]
+        for item in rejected:
+            del item["rejected"]
+        for row in root.fcn_result.transformations:
+            if not row.kept:
+                row.kept = True
+        views.refresh(root)
+        return {"FINISHED"}

@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Complete the chosen curves."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
+
+from ...fcn_addon.job import chosen, completing, session
+from ...fcn_addon.wording import duration
+from ..base import Background
+
+
+class FCN_OT_complete(Background, bpy.types.Operator):
+    """Find what recurs in the chosen curves, and make clean templates of it wherever it was seen.
+    Works in the background, Esc stops it"""
+
+    bl_idname = "fcn.complete"
+    bl_label = "Complete Curves"
+    bl_options = {"UNDO"}
+
+    @classmethod
+    def why_not(cls, context):
+        return "A run is under way" if session.running() else chosen.why_not(context)
+
+    def kind(self):
+        return completing.COMPLETE
+
+    def _finished(self, root):
+        self.report({"INFO"}, describe(root.fcn_result))
+        return {"FINISHED"}
+
+
+def describe(result) -> str:
+    """A line about a result."""
+    text = rpt_(
+        "{transformations} transformations, {templates} templates at {places} places, {strong} strong curves; {time}"
+    )
+    return text.format(
+        transformations=len(result.transformations),
+        templates=result.templates,
+        places=result.occurrences,
+        strong=result.strong,
+        time=duration(result.seconds),
+    )

@@ -1,0 +1,285 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The command line in this process: what it reads, writes, says, and its exit codes."""
+
+import dataclasses
+import io
+import json
+import os
+import signal
+import sys
+
+import numpy as np
+import pytest
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch, arcs):
+    """The current folder, with one input in it."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "in.obj").write_text(arcs())
+    return tmp_path
+
+
+@pytest.fixture
+def fcn(bpy, part, capsys):
+    """Run the command; exit code and what went to stderr."""
+    main = part("fcn_addon.command.run").main
+
+    def run(*arguments):
+        code = main([str(a) for a in arguments])
+        return code, capsys.readouterr().err
+
+    return run
+
+
+def test_everything_it_can_write(folder, fcn, bpy):
+    pytest.importorskip("matplotlib")
+    names = ["--out", "r.blend", "--curves", "r.obj", "--report", "r.json", "--figure", "r.png"]
+    code, said = fcn("in.obj", *names, "--edge-length", "0.1")
+    assert code == 0, said
+    assert sorted(os.listdir()) == ["in.obj", "r.blend", "r.json", "r.obj", "r.png"]
+    report = json.loads((folder / "r.json").read_text())
+    assert report["input"]["curves"] == len(report["inputs"]) == 5
+    assert report["input"]["edge_length"] == 0.1
+    assert [i["kind"] for i in report["inputs"]][:4] == ["template"] * 4
+    assert (folder / "r.obj").read_text().count("\nl ") == len(report["curves"]) >= 4
+    assert (folder / "r.png").read_bytes().startswith(b"\x89PNG")
+    assert "5 curves" in said and "edge length 0.1 (as given)" in said and "wrote r.blend" in said
+    bpy.ops.wm.open_mainfile(filepath=str(folder / "r.blend"))
+    assert [c.name for c in bpy.context.scene.collection.children] == ["FCN in"]
+
+
+def test_a_blend_file_in_gives_what_its_curves_give(folder, fcn, bpy):
+    assert fcn("in.obj", "--out", "a.blend", "--report", "a.json", "--edge-length", "0.1", "--quiet") == (0, "")
+    for chosen in (["--object", "Input"], ["--collection", "Input"], ["--object", "Input", "--collection", "Input"]):
+        code, said = fcn("a.blend", *chosen, "--report", "b.json", "--edge-length", "0.1", "--quiet")
+        assert code == 0, said
+        a, b = (json.loads((folder / name).read_text()) for name in ("a.json", "b.json"))
+        assert [i["kind"] for i in a["inputs"]] == [i["kind"] for i in b["inputs"]]
+        assert len(a["curves"]) == len(b["curves"])
+
+
+def test_parameters_by_name_with_either_sign(folder, fcn):
+    for name in ("--delta-l", "--delta_l"):
+        code, said = fcn(
+            "in.obj", "--report", "r.json", "--edge-length", "0.1", name, "4", "--l0", "20", "--threads", "1"
+        )
+        assert code == 0, said
+        parameters = json.loads((folder / "r.json").read_text())["parameters"]
+        assert (parameters["delta_l"], parameters["l0"], parameters["threads"]) == (4, 20, 1)
+
+
+def test_edge_length_of_a_surface_and_of_the_curves(folder, fcn):
+    (folder / "scan.obj").write_text("v 0 0 0\nv .1 0 0\nv 0 .1 0\nf 1 2 3\n")
+    code, said = fcn("in.obj", "--surface", "scan.obj")
+    assert code == 0 and f"edge length {(0.2 + 0.02**0.5) / 3:.4g} (mean edge of scan.obj)" in said
+    code, said = fcn("in.obj")
+    assert code == 0 and "estimated from the curves" in said
+
+
+def test_help_explains_every_parameter_with_its_unit(part, capsys):
+    fields = dataclasses.fields(part("core.parameters").Parameters)
+    assert part("fcn_addon.command.run").main(["--help"]) == 0
+    text = " ".join(capsys.readouterr().out.split())
+    for f in fields:
+        assert f"--{f.name.replace('_', '-')} " in text
+        assert " ".join(f.metadata["help"].split()[:4]) in text
+    assert "[edge lengths, default 25]" in text
+
+
+CASES = [
+    ([], "INPUT"),
+    (["no.obj"], "no.obj: no such file"),
+    (["no.blend"], "no.blend: no such file"),
+    (["bad.blend"], "bad.blend: Blender cannot open it"),
+    (["empty.obj"], "empty.obj: the file is empty"),
+    (["cut.obj"], "cut.obj: line 2: index 9 has no point"),
+    (["garbage.obj"], "garbage.obj: this is binary data"),
+    (["garbage.ply"], "garbage.ply: no PLY header"),
+    (["garbage.txt"], "garbage.txt: this is binary data"),
+    (["nan.obj"], "nan.obj: line 2: 'nan' is not finite"),
+    (["in.xyz"], "a .xyz file cannot be read; give one of .blend, .glb, .obj, .ply, .stl, .txt"),
+    (["in.obj", "--l0", "x"], "--l0: 'x' is not a number"),
+    (["in.obj", "--l0", "1"], "l0 is 1.0: give a number of at least 4 (edge lengths)"),
+    (["in.obj", "--l0", "nan"], "l0 is nan"),
+    (["in.obj", "--threads", "1.5"], "--threads: '1.5' is not a whole number"),
+    (["in.obj", "--s", "3"], "t must not be below s"),
+    (["in.obj", "--edge-length", "0"], "0 is no length"),
+    (["in.obj", "--edge-length=-1"], "-1 is no length"),
+    (["in.obj", "--edge-length", "1", "--surface", "in.obj"], "not allowed with"),
+    (["in.obj", "--surface", "in.obj"], "in.obj: no faces"),
+    (["in.obj", "--bogus"], "unrecognized arguments: --bogus"),
+    (["in.obj", "--object", "X"], "choose from a .blend"),
+    (["in.obj", "--out", "r.obj"], "r.obj: --out writes a .blend file"),
+    (["in.obj", "--report", "no/r.json"], "no/r.json: cannot be written (No such file or directory)"),
+    (["in.obj", "--report", "dir.json"], "dir.json: cannot be written, it is a folder"),
+    (["in.obj", "--curves", "in.obj"], "in.obj: this is also an input"),
+    (["in.obj", "--report", "r.json", "--figure", "r.json"], "r.json: two outputs have this name"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "message"), CASES, ids=[" ".join(c[0]) or "nothing" for c in CASES])
+def test_wrong_input_is_one_line_exit_code_2_and_no_file(folder, fcn, arguments, message):
+    (folder / "empty.obj").write_text("")
+    (folder / "cut.obj").write_text("v 0 0 0\nl 1 9\n")
+    (folder / "nan.obj").write_text("v 0 0 0\nv nan 0 0\nl 1 2\n")
+    (folder / "dir.json").mkdir()
+    garbage = np.random.default_rng(0).bytes(3000) + b"\0"
+    for name in ("garbage.obj", "garbage.ply", "garbage.txt", "bad.blend"):
+        (folder / name).write_bytes(garbage)
+    before = sorted(os.listdir())
+    code, said = fcn(*arguments)
+    assert code == 2
+    assert said.startswith("error: ") and said.count("\n") == 1
+    assert message in said
+    assert sorted(os.listdir()) == before
+
+
+def test_names_that_a_blend_file_does_not_have(folder, fcn, bpy):
+    bpy.ops.wm.save_as_mainfile(filepath=str(folder / "a.blend"), copy=True)
+    for arguments, message in [
+        (["--object", "Q"], "a.blend: no object 'Q'"),
+        (["--collection", "Q"], "a.blend: no collection 'Q'"),
+        ([], "a.blend: no edge mesh or curve object in its scene, nor a scan"),
+    ]:
+        code, said = fcn("a.blend", *arguments)
+        assert (code, said.count("\n")) == (2, 1) and message in said
+
+
+def kinds(folder):
+    return [row["kind"] for row in json.loads((folder / "r.json").read_text())["inputs"]]
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("v 0 0 0\nv 1 0 0\nv 2 0 0\nl 1 2 3\n", "the longest has 20.0; try l0 = 10"),
+        ("v 0 0 0\nv .1 0 0\nl 1 2\n", "no curve is strong"),
+    ],
+)
+def test_no_strong_curve_suggests_l0(folder, fcn, text, message):
+    (folder / "weak.obj").write_text(text)
+    code, said = fcn("weak.obj", "--edge-length", "0.1", "--report", "r.json", "--quiet")
+    assert (code, said.count("\n")) == (2, 1) and message in said and "l0" in said
+    assert not (folder / "r.json").exists()
+
+
+def test_l0_that_is_longer_than_all_curves(folder, fcn):
+    code, said = fcn("in.obj", "--edge-length", "0.1", "--l0", "5000", "--quiet")
+    assert (code, said.count("\n")) == (2, 1) and "none is longer than l0 = 5000 edge lengths" in said
+
+
+def test_a_single_curve_is_strong_and_recurs_nowhere(folder, fcn, arcs):
+    (folder / "in.obj").write_text(arcs(count=1, stray=False))
+    assert fcn("in.obj", "--edge-length", "0.1", "--report", "r.json", "--quiet") == (0, "")
+    assert kinds(folder) == ["strong"]
+
+
+def test_curves_that_are_all_the_same_do_not_recur_where_they_are(folder, fcn):
+    turn = np.linspace(0, 9, 120)
+    spiral = np.exp(0.2 * turn)[:, None] * np.c_[np.cos(turn), np.sin(turn), 0.3 * turn]
+    text = [f"v {x:.6f} {y:.6f} {z:.6f}" for x, y, z in np.tile(spiral, (4, 1)).tolist()]
+    text += ["l " + " ".join(str(120 * i + k + 1) for k in range(120)) for i in range(4)]
+    (folder / "in.obj").write_text("\n".join(text))
+    assert fcn("in.obj", "--edge-length", "0.3", "--report", "r.json", "--quiet") == (0, "")
+    assert len(set(kinds(folder))) == 1
+    for found in json.loads((folder / "r.json").read_text())["transformations"]:
+        assert np.abs(np.array(found["generators"]) - np.eye(4)).max() > 0.3
+
+
+def test_far_from_the_origin_the_result_is_the_same(folder, fcn, arcs):
+    found = []
+    for shift in (0.0, 1e7):
+        (folder / "in.obj").write_text(arcs(shift=shift))
+        assert fcn("in.obj", "--edge-length", "0.1", "--report", "r.json", "--quiet") == (0, "")
+        found.append((kinds(folder), len(json.loads((folder / "r.json").read_text())["curves"])))
+    assert found[0] == found[1]
+
+
+def test_an_earlier_result_stays_when_the_run_fails(folder, fcn):
+    (folder / "r.json").write_text("earlier")
+    (folder / "bad.obj").write_text("v 0 0 0\nl 1 9\n")
+    assert fcn("bad.obj", "--report", "r.json")[0] == 2
+    assert (folder / "r.json").read_text() == "earlier"
+
+
+@pytest.mark.parametrize("mode", [0o500, 0o000])
+def test_a_folder_that_may_not_be_written(folder, fcn, mode):
+    if not hasattr(os, "geteuid"):
+        pytest.skip("users are another thing here")
+    locked = folder / "locked"
+    locked.mkdir(mode)
+    root = os.geteuid() == 0
+    try:
+        if root:  # who may write everywhere
+            os.seteuid(65534)
+        code, said = fcn("in.obj", "--report", locked / "r.json")
+    finally:
+        if root:
+            os.seteuid(0)
+    assert code == 2 and said.endswith("cannot be written (Permission denied); check the folder\n")
+
+
+def test_ctrl_c_stops_with_130_and_no_file(folder, fcn, part, monkeypatch):
+    terminal, seen = part("fcn_addon.command.terminal").Terminal, []
+
+    def press(self, stage, fraction):
+        seen.append(sorted(p.name for p in folder.iterdir()))
+        os.kill(os.getpid(), signal.SIGINT)
+
+    monkeypatch.setattr(terminal, "progress", press)
+    before = signal.getsignal(signal.SIGINT)
+    code, said = fcn("in.obj", "--report", "r.json", "--quiet")
+    assert (code, said) == (130, "error: stopped, nothing was written\n")
+    assert seen == [[f".r.{os.getpid()}.part.json", "in.obj"]]  # it was on its way
+    assert os.listdir() == ["in.obj"]
+    assert signal.getsignal(signal.SIGINT) is before
+
+
+class Clock:
+    def __init__(self):
+        self.now = 0.0
+
+    def __call__(self):
+        return self.now
+
+
+def test_progress_in_a_log_is_a_line_a_tenth_with_the_time_left(part):
+    clock, stream = Clock(), io.StringIO()
+    terminal = part("fcn_addon.command.terminal").Terminal(stream=stream, clock=clock)
+    for i in range(101):
+        clock.now = i * 1.0
+        terminal.progress("blast", i / 100)
+    lines = stream.getvalue().splitlines()
+    assert len(lines) == 11
+    assert lines[2].split() == ["blast", "20%", "1", "min", "20", "s", "left"]
+    assert lines[-1].split() == ["blast", "100%", "1", "min", "40", "s"]
+
+
+def test_progress_of_a_short_stage_is_one_line_in_a_log(part):
+    stream = io.StringIO()
+    terminal = part("fcn_addon.command.terminal").Terminal(stream=stream, clock=Clock())
+    for stage in ("blast", "voting"):
+        for i in range(11):
+            terminal.progress(stage, i / 10)
+    assert [line.split()[:2] for line in stream.getvalue().splitlines()[1:]] == [["blast", "100%"], ["voting", "100%"]]
+
+
+def test_quiet_says_errors_only(part):
+    stream = io.StringIO()
+    terminal = part("fcn_addon.command.terminal").Terminal(quiet=True, stream=stream)
+    terminal.say("a")
+    terminal.progress("blast", 0.5)
+    terminal.error("b\nc")
+    assert stream.getvalue() == "error: b c\n"
+
+
+def test_a_disk_that_is_full_is_no_fault_of_the_program(folder, part):
+    outputs, error = part("fcn_addon.command.outputs").Outputs, part("core.errors").InputError
+    with pytest.raises(error, match=r"r.json: cannot be written \(No space left on device\)"):
+        with outputs(["r.json"]) as names:
+            with open("/dev/full" if sys.platform == "linux" else names.part("r.json"), "w") as file:
+                if sys.platform != "linux":
+                    raise OSError(28, "No space left on device")
+                file.write("x" * 100000)
+    assert os.listdir() == ["in.obj"]
