@@ -117,10 +117,10 @@ def distances(points, chain: Chain) -> np.ndarray:
     k = len(chain.kinds)
     for i, kind in enumerate(chain.kinds):
         q = chain.row(i)
-        others = [j % k if chain.closed else j for j in (i - 1, i, i + 1)]
-        a = min(chain.ranges[j, 0] for j in others if 0 <= j < k)
-        b = max(chain.ranges[j, 1] for j in others if 0 <= j < k)
-        use = np.arange(a, b)
+        a = chain.ranges[max(i - 1, 0), 0]
+        b = chain.ranges[min(i + 1, k - 1), 1]
+        # The corner at which a closed curve begins has samples on both sides of the cut.
+        use = np.arange(len(points)) if chain.closed and i in (0, k - 1) else np.arange(a, b)
         before = None
         if kind == 2:
             grid = np.linspace(0, 1, 33)
