@@ -48,9 +48,7 @@ class Parameters:
         25.0, EDGES, "largest gap over which pieces of a curve that does not recur are joined (section 5.1)", 0, 200
     )
     epsilon: float = _value(2.0, EDGES, "radius within which occurrences show the same curve (section 5.2)", 0.1)
-    margin: float = _value(
-        45.0, EDGES, "how far around what is known of a thing its other curves are looked for", 1, 500
-    )
+    margin: float = _value(45.0, EDGES, "how far around what is known of a thing its other curves are looked for", 1, 500)
     join: float = _value(30.0, EDGES, "largest gap between the curves of one thing", 1, 500)
     significance: float = _value(
         0.05, FACTOR, "odds of chance to evidence below which a curve or an occurrence is taken for real", 1e-9, 0.5

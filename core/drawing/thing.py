@@ -107,7 +107,9 @@ class Drawer:
     def _fitted(self, chosen: Chosen, poses, rounds=2):
         """Curves and poses fitted to the samples in turn."""
         for _ in range(rounds):
-            poses = refined_poses(self.network, chosen.curves, poses, self.free, radius=self.radius, sets=chosen.sets)
+            poses = refined_poses(
+                self.network, chosen.curves, poses, self.free, radius=self.radius, sets=chosen.sets
+            )
             overlay = gather(self.network, poses, np.concatenate(chosen.curves), self.free, 2 * self.radius)
             curves = fitted_curves(
                 chosen.curves, chosen.closed, chosen.sets, overlay, radius=self.radius, tick=self.tick

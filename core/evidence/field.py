@@ -74,7 +74,7 @@ class Field:
     def nearest(self, points, radius=None):
         """Nearest samples (...,) int32 of points (..., 3), -1 where none is within the radius."""
         table = self._table
-        at = (points - table.low) / table.voxel
+        at = ((points - table.low) / table.voxel)
         at = np.where(at < 0, -1, at).astype(np.int32)
         near = table.look_up(at[..., 0], at[..., 1], at[..., 2])
         gap = points - self.points[near]
@@ -117,9 +117,7 @@ class Field:
         i, j = tree.query_pairs(14.0, output_type="ndarray").T
         cost = ((self.points[node[i]] - self.points[node[j]]) ** 2).sum(axis=1) + 0.1
         k = len(node)
-        return coo_matrix((np.r_[cost, cost], (np.r_[i, j], np.r_[j, i])), shape=(k, k)).tocsr(), tree.query(
-            self.points
-        )[1]
+        return coo_matrix((np.r_[cost, cost], (np.r_[i, j], np.r_[j, i])), shape=(k, k)).tocsr(), tree.query(self.points)[1]
 
     def watershed(self, label):
         """(n,) int64, for each sample the label of the labelled sample that is nearest through the network.

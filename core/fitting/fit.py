@@ -11,7 +11,8 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from .chain import Chain, distances, fit_chain
-from .description import GENTLE, allowed, cost, describe, from_corner
+from .corners import GENTLE, allowed
+from .description import cost, describe, from_corner
 from .primitives import Circle, Line
 from .samples import Samples, make_samples
 

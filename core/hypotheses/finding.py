@@ -65,9 +65,7 @@ def find_things(field: Field, seeds: Seeds, *, significance, tick=lambda: None, 
         thing = split(field, thing, seeds, taken)
         dead[s] = True
         expected = expected_by_chance(field, thing)
-        log(
-            f"    thing: {len(thing)} poses, {len(thing.points)} points, gain {thing.gain:.0f}, shown {thing.shown:.2f}, E {expected:.2g}"
-        )
+        log(f"    thing: {len(thing)} poses, {len(thing.points)} points, gain {thing.gain:.0f}, shown {thing.shown:.2f}, E {expected:.2g}")
         if len(thing) < 2 or expected > significance:
             failures += 1
             continue

@@ -52,9 +52,7 @@ class Places:
     def __init__(self, field: Field, radii):
         n = field.network
         at = np.arange(len(field)) - n.offsets[:-1][n.curve_of]
-        self.sample = np.flatnonzero(
-            (at % EVERY == EVERY // 2) | ((at == 0) & (np.diff(n.offsets)[n.curve_of] <= EVERY // 2))
-        )
+        self.sample = np.flatnonzero((at % EVERY == EVERY // 2) | ((at == 0) & (np.diff(n.offsets)[n.curve_of] <= EVERY // 2)))
         self.of = cKDTree(field.points[self.sample]).query(field.points)[1]
         self.radii = radii
         self._balls = {}
@@ -126,8 +124,7 @@ def _first_of_each(field, motions, source, places, *, shift=3.0, turn=0.1):
     at = field.points[places.sample[places.of[source]]]
     image = np.einsum("kij,kj->ki", motions[:, :3, :3], at) + motions[:, :3, 3]
     key = np.concatenate(
-        [places.of[source][:, None], np.round(image / shift), np.round(motions[:, :3, :3].reshape(-1, 9) / turn)],
-        axis=1,
+        [places.of[source][:, None], np.round(image / shift), np.round(motions[:, :3, :3].reshape(-1, 9) / turn)], axis=1
     )
     _, first = np.unique(key, axis=0, return_index=True)
     return np.sort(first)
@@ -164,9 +161,7 @@ def seed_scores(field: Field, motions, source, places: Places, radii, *, p=0.5, 
     for radius in radii:
         for i in range(0, len(motions), size):
             part = slice(i, i + size)
-            s, e = _ball_scores(
-                field, motions[part], places.balls(places.of[source[part]], radius), places.of[source[part]], places, p
-            )
+            s, e = _ball_scores(field, motions[part], places.balls(places.of[source[part]], radius), places.of[source[part]], places, p)
             better = s > score[part]
             score[part], extent[part] = np.where(better, s, score[part]), np.where(better, e, extent[part])
     return score, extent
@@ -203,8 +198,6 @@ def _length_of_points(field, balls, places, at, radius):
     out = np.ones(len(balls))
     if full.any():
         # Balls that are full were thinned; how far is known from the number of samples within them.
-        inside = field.tree.query_ball_point(
-            field.points[places.sample[at[full]]], np.maximum(radius[full], 1), return_length=True
-        )
+        inside = field.tree.query_ball_point(field.points[places.sample[at[full]]], np.maximum(radius[full], 1), return_length=True)
         out[full] = np.maximum(inside / POINTS, 1.0)
     return out
