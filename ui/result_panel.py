@@ -50,6 +50,7 @@ class FCN_PT_result(Sidebar, bpy.types.Panel):
         _draw_transformation(layout, stored.active_transformation(context.scene))
         layout.operator_menu_enum("fcn.apply", "kind", icon="OUTLINER_OB_CURVE")
         layout.prop(result, "attributes")
+        layout.prop(result, "scan_locked")
 
 
 def _draw_transformation(layout, row):
@@ -79,17 +80,16 @@ class FCN_PT_occurrence(Sidebar, bpy.types.Panel):
         layout = self.layout
         layout.enabled = not session.running()
         item = context.active_object
+        text = iface_("No curve of an occurrence is active")
         if item is not None and item.get("occurrence", -1) >= 0:
-            if "support" in item:
-                text = iface_("Template {template} at {occurrence}, support {support:.0%}")
-            else:
-                text = iface_("Template {template} at {occurrence}")
-            layout.label(text=text.format(**item), translate=False)
+            text = item.name if "support" not in item else f"{item.name}: {item['support']:.0%}"
+        layout.label(text=text, translate=False)
         column = layout.column(align=True)
         column.operator("fcn.select_occurrence", icon="RESTRICT_SELECT_OFF")
         column.operator("fcn.select_source", icon="BACK")
         column.operator("fcn.select_result", icon="FORWARD")
         column = layout.column(align=True)
+        column.prop(context.scene.fcn, "edit_alone")
         editing = context.mode != "OBJECT"
         column.operator("fcn.edit_template", text="Finish Editing" if editing else "Edit Template", icon="EDITMODE_HLT")
         column.operator("fcn.make_unique", icon="UNLINKED")

@@ -5,9 +5,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ...core.matching.strong import strong_curves
 from ...core.network.building import build_network
 from ...core.network.edge_length import estimate_edge_length
-from ...core.matching.strong import strong_curves
 
 
 @dataclass(frozen=True)

@@ -6,13 +6,13 @@ from __future__ import annotations
 from dataclasses import fields
 
 import bpy
-from bpy.props import EnumProperty, FloatProperty, PointerProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, PointerProperty
 from bpy.types import PropertyGroup
 
 from ...core.parameters import EDGES, Parameters
 from ..detected.kept import FCN_PG_curves
 from ..registration import register_classes, unregister_classes
-from ..result import stored
+from ..result import stored, templates, writer
 from . import changes, from_parameters
 from .detection import FCN_PG_detection
 
@@ -126,6 +126,16 @@ class FCN_PG_settings(PropertyGroup):
             ("KEEP", "Keep", "Leave it and put the new one beside it"),
         ),
     )
+    form: EnumProperty(name="Objects", description="What the completed curves become", items=writer.FORMS)
+    edit_alone: BoolProperty(
+        name="Alone",
+        description="While a template is edited, hide all else; otherwise the scan and the rest stay in sight, faint",
+    )
+    show_source: BoolProperty(
+        name="Show Settings",
+        description="What to complete and how; closed up once there is a result",
+        default=True,
+    )
     result: PointerProperty(
         type=bpy.types.Collection,
         name="Result",
@@ -141,6 +151,7 @@ CLASSES = (
     FCN_PG_curves,
     FCN_PG_parameters,
     stored.FCN_PG_transformation,
+    templates.FCN_PG_template,
     stored.FCN_PG_result,
     FCN_PG_settings,
 )

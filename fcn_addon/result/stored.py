@@ -20,7 +20,7 @@ from bpy.props import (
 from bpy.types import PropertyGroup
 
 from ..wording import description, titles
-from . import attributes, views
+from . import attributes, scan_lock, templates, views
 
 ICONS = {
     "single": "MOD_ARRAY",
@@ -80,6 +80,13 @@ class FCN_PG_result(PropertyGroup):
         max=1.0,
         update=views.update,
     )
+    locked: StringProperty(description="Names of the scans that were made unselectable, as JSON")
+    scan_locked: BoolProperty(
+        name="Scan Not Selectable",
+        description="Clicks go through the scan to the completed curves. Switch it off to select the scan again",
+        default=True,
+        update=scan_lock.update,
+    )
     attributes: BoolProperty(
         name="Attributes for Geometry Nodes",
         description="Give every completed curve its support, component, template and occurrence as attributes, which "
@@ -87,10 +94,19 @@ class FCN_PG_result(PropertyGroup):
         update=attributes.update,
     )
     transformations: CollectionProperty(type=FCN_PG_transformation)
+    template_rows: CollectionProperty(type=templates.FCN_PG_template)
+    active_template: IntProperty(
+        name="Template", description="The template that the buttons are about", min=0, update=views.update_solo
+    )
+    solo: BoolProperty(
+        name="Solo",
+        description="Show the occurrences of the active template alone",
+        update=views.update,
+    )
     active: IntProperty(name="Transformation", description="The transformation that the buttons are about", min=0)
 
 
-def describe(root, completion, run, length):
+def describe(root, completion, run, length, names=None):
     """Fill in the properties of a result's collection.
 
     Parameters
@@ -98,6 +114,7 @@ def describe(root, completion, run, length):
     root : Collection that `scene_writer.write` made
     run : has label, objects (names) and parameters
     length : turns a length into words
+    names : template id -> what it is called; letters if None
     """
     result = root.fcn_result
     result.is_result = True
@@ -110,6 +127,7 @@ def describe(root, completion, run, length):
     result.occurrences = sum(len(t.occurrences) for t in completion.templates)
     result.strong = len(completion.strong)
     result.noise = int(np.count_nonzero(completion.inputs.kind == "noise"))
+    templates.describe(root, completion, names or {})
     homes = {c["transformation"]: c for c in child(root, "templates").children}
     named = titles(completion.transformations, length)
     for t in completion.transformations:
@@ -163,6 +181,7 @@ def source_names(root) -> list[str]:
 
 def remove(root):
     """Remove a result with all data that nothing else uses; what is also linked elsewhere stays."""
+    scan_lock.unlock(root)
     tree = {root, *root.children_recursive}
     remove_objects([o for o in root.all_objects if tree.issuperset(o.users_collection)], tree)
 
