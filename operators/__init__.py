@@ -15,6 +15,7 @@ from .result.reject_transformation import FCN_OT_reject_transformation
 from .result.remove_result import FCN_OT_remove_result
 from .result.restore import FCN_OT_restore
 from .result.select_result import FCN_OT_select_result
+from .result.select_template import FCN_OT_select_template
 from .result.select_transformation import FCN_OT_select_transformation
 from .run.cancel import FCN_OT_cancel
 from .run.complete import FCN_OT_complete
@@ -29,6 +30,7 @@ CLASSES = (
     FCN_OT_complete,
     FCN_OT_cancel,
     FCN_OT_measure,
+    FCN_OT_select_template,
     FCN_OT_select_transformation,
     FCN_OT_select_occurrence,
     FCN_OT_select_source,

@@ -58,7 +58,7 @@ def project_modules():
 BRIDGE = {
     "scene": set(),
     "detected": {"scene"},
-    "result": {"scene"},
+    "result": {"scene", "detected"},
     "properties": {"detected", "result"},
     "command": {"scene", "detected", "result"},
     "job": {"scene", "detected", "result", "properties"},

@@ -11,6 +11,7 @@ ENTRIES = (
     "fcn.complete",
     "fcn.cancel",
     None,
+    "fcn.select_template",
     "fcn.select_transformation",
     "fcn.select_occurrence",
     "fcn.select_source",

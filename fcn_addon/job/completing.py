@@ -14,9 +14,10 @@ from ...core.errors import InputError
 from ...core.files.network import Reading
 from ...core.parameters import Parameters
 from .. import progress
+from ..detected import scan_lock
 from ..installation import require_scipy
 from ..properties.settings import parameters
-from ..result import scan_lock, stored, templates, views, writer
+from ..result import stored, templates, views, writer
 from ..scene import reader
 from ..scene.identity import Identity
 from ..scene.units import unit_length

@@ -152,6 +152,7 @@ CLASSES = (
     FCN_PG_parameters,
     stored.FCN_PG_transformation,
     templates.FCN_PG_template,
+    templates.FCN_PG_place,
     stored.FCN_PG_result,
     FCN_PG_settings,
 )

@@ -19,8 +19,9 @@ from bpy.props import (
 )
 from bpy.types import PropertyGroup
 
+from ..detected import scan_lock
 from ..wording import description, titles
-from . import attributes, scan_lock, templates, views
+from . import attributes, templates, views
 
 ICONS = {
     "single": "MOD_ARRAY",
@@ -96,8 +97,10 @@ class FCN_PG_result(PropertyGroup):
     transformations: CollectionProperty(type=FCN_PG_transformation)
     template_rows: CollectionProperty(type=templates.FCN_PG_template)
     active_template: IntProperty(
-        name="Template", description="The template that the buttons are about", min=0, update=views.update_solo
+        name="Template", description="The template that the buttons are about", min=0, update=templates.chosen
     )
+    places: CollectionProperty(type=templates.FCN_PG_place)
+    active_place: IntProperty(name="Occurrence", description="The occurrence that is looked at", min=0)
     solo: BoolProperty(
         name="Solo",
         description="Show the occurrences of the active template alone",
@@ -139,6 +142,7 @@ def describe(root, completion, run, length, names=None):
         row.count = sum(len(template.occurrences) for template in mine)
         row.curves = sum(len(template.occurrences) * len(template.curves) for template in mine)
         row.support, row.log_bayes_factor = t.support, t.log_bayes_factor
+    templates.fill_places(root)
 
 
 def child(root, role):

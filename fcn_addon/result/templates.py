@@ -39,6 +39,7 @@ def count(root):
             left[item["template"]]["rejected" in item] += 1
     for row in rows:
         row.count, row.rejected = left[row.ident]
+    fill_places(root)
     for row in root.fcn_result.transformations:
         mine = row.home.all_objects if row.home else ()
         row.count = sum(PART not in item and "rejected" not in item for item in mine)
@@ -64,6 +65,43 @@ def _shown(row, _context):
 
 def _coloured(row, _context):
     views.refresh(row.id_data)
+
+
+def fill_places(root):
+    """Make the list of places that of the active template."""
+    result, row = root.fcn_result, active(root)
+    result.places.clear()
+    for item in holders(root, row.ident) if row else ():
+        place = result.places.add()
+        place["name"], place["kept"] = item.name, "rejected" not in item
+        supports = [part[PART] for part in item.children if PART in part]
+        place.support = sum(supports) / len(supports) if supports else 0.0
+
+
+def _kept(place, _context):
+    """Called by Blender: take this occurrence out of the result or back in."""
+    root = place.id_data
+    item = root.all_objects.get(place.name)
+    if item is not None:
+        set_rejected(item, not place.kept)
+        views.refresh(root)
+        count(root)
+
+
+def chosen(group, context):
+    """Called by Blender when another template becomes the active one."""
+    fill_places(group.id_data)
+    views.update_solo(group, context)
+
+
+class FCN_PG_place(PropertyGroup):
+    """One occurrence of the active template; `name` is that of its empty."""
+
+    kept: BoolProperty(
+        name="Keep", description="Switched off, this occurrence is rejected and stays out of the result", default=True,
+        update=_kept,
+    )  # fmt: skip
+    support: FloatProperty(name="Support", description="How much of its curves the input shows here")
 
 
 class FCN_PG_template(PropertyGroup):

@@ -324,7 +324,7 @@ def test_undo_does_not_disturb_a_run(bpy, part, wall, monkeypatch, completion):
     bpy.ops.ed.undo()
     session.tick()
     session.end()
-    root = completing.finish(bpy.context, run.task, session.outcome(run))
+    root = completing.finish(bpy.context, run.task, *session.outcome(run))
     assert root.fcn_result.occurrences == 6
     assert bpy.data.objects["Wall"].location.x == 0 and bpy.data.objects["Wall"].hide_get()
 
