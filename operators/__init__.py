@@ -4,6 +4,9 @@
 from __future__ import annotations
 
 from ..fcn_addon.registration import register_classes, unregister_classes
+from .exchange.export_curves import FCN_OT_export_curves
+from .exchange.import_curves import FCN_OT_import_curves
+from .exchange.try_example import FCN_OT_try_example
 from .occurrence.delete_occurrence import FCN_OT_delete_occurrence
 from .occurrence.edit_template import FCN_OT_edit_template
 from .occurrence.make_unique import FCN_OT_make_unique
@@ -44,6 +47,9 @@ CLASSES = (
     FCN_OT_apply,
     FCN_OT_remove_result,
     FCN_OT_save_preset,
+    FCN_OT_import_curves,
+    FCN_OT_export_curves,
+    FCN_OT_try_example,
 )
 
 

@@ -60,6 +60,7 @@ BRIDGE = {
     "detected": {"scene"},
     "result": {"scene", "detected"},
     "properties": {"detected", "result"},
+    "exchange": {"scene", "detected", "result"},
     "command": {"scene", "detected", "result"},
     "job": {"scene", "detected", "result", "properties"},
 }

@@ -30,6 +30,7 @@ class FCN_PT_complete(Sidebar, bpy.types.Panel):
         settings = context.scene.fcn
         row = layout.row()
         row.use_property_split = False
+        row.alignment = "LEFT"
         row.prop(
             settings, "show_source", emboss=False, text=_hint(context), icon="DOWNARROW_HLT" if settings.show_source
             else "RIGHTARROW",
@@ -47,11 +48,11 @@ def _hint(context):
     if context.mode != "OBJECT":
         return "Editing: Tab goes back"
     why = summary.latest()
-    if isinstance(why, Summary):
-        return "Press Complete Curves"
     if stored.active(context.scene) is not None:
         return "Settings of the next run"
-    return "Import or select curves" if why else "What to complete"
+    if isinstance(why, Summary):
+        return "Press Complete Curves"
+    return "Select curves, or import some" if why else "What to complete"
 
 
 def _draw_button(layout, context):
@@ -65,6 +66,10 @@ def _draw_button(layout, context):
         button.operator("fcn.select_result", icon="FORWARD")
     else:
         button.operator("fcn.complete", icon="CURVE_DATA")
+        if stored.active(context.scene) is None and not isinstance(summary.latest(), Summary):
+            row = layout.row(align=True)
+            row.operator("fcn.import_curves", text="Import", icon="IMPORT")
+            row.operator("fcn.try_example", icon="LIGHT")
 
 
 def _draw_source(layout, settings):

@@ -48,6 +48,18 @@ def frame_selected(context):
     return False
 
 
+def look_from_front(context):
+    """Turn the viewport to the front view, and frame the selection."""
+    found = of_context(context)
+    if found is None:
+        return
+    window, area = found
+    region = next(r for r in area.regions if r.type == "WINDOW")
+    with context.temp_override(window=window, area=area, region=region):
+        bpy.ops.view3d.view_axis(type="FRONT")
+        bpy.ops.view3d.view_selected(use_all_regions=False)
+
+
 def of_context(context):
     """(window, area) of the viewport of the context, else of the first; None without one."""
     found = sorted(areas(context), key=lambda pair: pair[1] != context.area)

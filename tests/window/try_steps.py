@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import sys
 from pathlib import Path
+
 import bpy
+
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
-from driver import EXTENSION, Driver
 import steps
 import whole_session
+from driver import EXTENSION, Driver
+
+
 def session(driver):
     assert bpy.ops.preferences.addon_enable(module=EXTENSION) == {"FINISHED"}
     running = sys.modules[f"{EXTENSION}.fcn_addon.job.session"]
@@ -36,5 +40,7 @@ def session(driver):
     driver.picture("t5-after-tab")
     print("after tab", steps.state(driver)["faint"], bpy.context.mode)
     yield from steps.walk(driver)
+
+
 driver = Driver(sys.argv[sys.argv.index("--") + 1])
 driver.run(session(driver))
