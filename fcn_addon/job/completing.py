@@ -127,6 +127,8 @@ def finish(context, task, completion, fitted=None):
         raise
     for old in earlier:
         stored.remove(old)
+    if earlier:
+        templates.settle_names(root)
     sources = [source.find(bpy.data.objects) for source in task.sources]
     scan_lock.lock(root, scan_lock.scans_of(sources, scene.fcn))
     root.name = f"FCN {task.label}"[:63]

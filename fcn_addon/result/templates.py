@@ -53,10 +53,18 @@ def _renamed(row, _context):
         place = item["occurrence"] + 1
         if PART in item:
             part = item.data.get("part", 0)
-            item.data.name = f"{row.name} {part + 1}"
+            if "unique" not in item:
+                item.data.name = f"{row.name} {part + 1}"
             item.name = f"{row.name} {part + 1} at {place}"
         else:
             item.name = f"{row.name} at {place}"
+
+
+def settle_names(root):
+    """Call all objects after their templates: while an earlier result was there too, its objects had these names."""
+    for row in root.fcn_result.template_rows:
+        _renamed(row, None)
+    fill_places(root)
 
 
 def _shown(row, _context):

@@ -94,3 +94,40 @@ def to(driver, wanted, what, again=False):
         if not found:
             return
     raise AssertionError(f"{what}: {found}")
+
+
+def clicks(driver, count=5):
+    """Clicks on completed curves, before a scan behind them: each takes a curve; a generator."""
+    from bpy_extras.view3d_utils import location_3d_to_region_2d
+
+    root = bpy.context.scene.fcn.result
+    parts = [o for o in root.all_objects if "support" in o and o.visible_get() and o.type == "CURVE"]
+    corners = [o.matrix_world @ o.data.splines[0].bezier_points[0].co for o in parts]
+    low, high = (tuple(f(c[i] for c in corners) for i in range(3)) for f in (min, max))
+    mesh = bpy.data.meshes.new("Behind")
+    back = high[1] + 0.5
+    mesh.from_pydata(
+        [(low[0] - 1, back, low[2] - 1), (high[0] + 1, back, low[2] - 1), (high[0] + 1, back, high[2] + 1),
+         (low[0] - 1, back, high[2] + 1)], [], [(0, 1, 2, 3)]
+    )  # fmt: skip
+    scan = bpy.data.objects.new("Behind", mesh)
+    bpy.context.scene.collection.objects.link(scan)
+    scan.hide_select = True
+    region, space = driver.region("WINDOW"), driver.area.spaces.active
+    with driver.context():
+        bpy.ops.view3d.view_axis(type="FRONT")
+        bpy.ops.view3d.view_all()
+    yield 0.5
+    taken = 0
+    for item in parts[:: max(1, len(parts) // count)][:count]:
+        spline = item.data.splines[0]
+        a, b = spline.bezier_points[0], spline.bezier_points[1]
+        half = 0.125 * a.co + 0.375 * a.handle_right + 0.375 * b.handle_left + 0.125 * b.co
+        place = location_3d_to_region_2d(region, space.region_3d, item.matrix_world @ half)
+        yield from driver.click(region.x + place[0], region.y + place[1])
+        yield 0.3
+        active = bpy.context.view_layer.objects.active
+        taken += active is not None and active.get("occurrence") is not None and active.select_get()
+    bpy.data.objects.remove(scan)
+    driver.note(f"{taken} of {count} clicks took a completed curve")
+    assert taken == count
