@@ -17,8 +17,8 @@ KEY = "fcn_focus"
 FAINT = 0.75  # how far the rest fades
 
 
-def begin(context, alone):
-    """Let all but the selection fade in the viewport of the context, or hide it."""
+def begin(context, alone, frame=True):
+    """Let all but the selection fade in the viewport of the context, or hide it; look at the selection."""
     end()
     found = viewports.of_context(context)
     if found is None:
@@ -36,7 +36,7 @@ def begin(context, alone):
     space.overlay.show_fade_inactive, space.overlay.fade_inactive_alpha = not alone, FAINT
     if alone:
         viewports.isolate(window, area, True)
-    else:
+    elif frame:
         viewports.frame_selected(context)
 
 
@@ -56,22 +56,29 @@ def end():
                 viewports.isolate(window, area, False)
 
 
-def is_over() -> bool:
-    """Whether the editing has ended but not what goes with it."""
-    windows = bpy.context.window_manager.windows
-    return any(KEY in window.screen for window in windows) and bpy.context.mode == "OBJECT"
+def _is_on() -> bool:
+    return any(KEY in window.screen for window in bpy.context.window_manager.windows)
 
 
-def _end_if_over():
-    if is_over():
+def _is_wanted() -> bool:
+    """Whether a curve of an occurrence is being edited, however that was begun: undo and Tab lead there too."""
+    item = bpy.context.active_object
+    return bpy.context.mode != "OBJECT" and item is not None and item.get("occurrence", -1) >= 0
+
+
+def settle():
+    """Begin or end what goes with the editing."""
+    if _is_wanted() and not _is_on():
+        begin(bpy.context, bpy.context.scene.fcn.edit_alone, frame=False)
+    elif _is_on() and not _is_wanted():
         end()
 
 
 @persistent
 def _after_change(*_):
     """Soon, outside the handler: what ends the local view is an operator."""
-    if not bpy.app.background and is_over() and not bpy.app.timers.is_registered(_end_if_over):
-        bpy.app.timers.register(_end_if_over, first_interval=0.0)
+    if not bpy.app.background and _is_wanted() != _is_on() and not bpy.app.timers.is_registered(settle):
+        bpy.app.timers.register(settle, first_interval=0.0)
 
 
 HANDLERS = ("depsgraph_update_post", "undo_post", "redo_post", "load_post")
@@ -83,8 +90,8 @@ def register():
 
 
 def unregister():
-    if bpy.app.timers.is_registered(_end_if_over):
-        bpy.app.timers.unregister(_end_if_over)
+    if bpy.app.timers.is_registered(settle):
+        bpy.app.timers.unregister(settle)
     for name in HANDLERS:
         called = getattr(bpy.app.handlers, name)
         if _after_change in called:

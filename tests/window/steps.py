@@ -11,7 +11,7 @@ def state(driver):
     """All that undo must bring back: mode, view, selection, visibility, templates, local view, fading."""
     context, space = bpy.context, driver.area.spaces.active
     result = context.scene.fcn.result.fcn_result
-    objects = [o for o in context.scene.fcn.result.all_objects]
+    objects = list(context.scene.fcn.result.all_objects)
     return {
         "mode": context.mode,
         "view": result.view,
