@@ -8,7 +8,7 @@ from math import isfinite
 
 from .errors import InputError
 
-EDGES, DEGREES, FACTOR, COUNT = "edge lengths", "degrees", "factor", "count"
+EDGES, FACTOR, COUNT = "edge lengths", "factor", "count"
 
 
 def _value(default, unit, help, low, high=float("inf")):
@@ -24,32 +24,26 @@ class Parameters:
     """
 
     l0: float = _value(25.0, EDGES, "shortest stretch of two curves that counts as a match (section 4.1.1)", 4)
+    short_l0: float = _value(
+        15.0, EDGES, "shortest stretch of a second search for matches, which finds what short pieces show", 4
+    )
     s: float = _value(1.0, EDGES, "largest average distance of a first match (section 4.1.1)", 0.01)
     t: float = _value(2.0, EDGES, "largest average distance while a match is extended; the paper takes 2 s", 0.01)
     delta_l: float = _value(5.0, EDGES, "step by which a match is extended (section 4.1.1)", 1)
     strong_curvature: float = _value(
         0.5, FACTOR, "a curve is strong above this share of the mean curvature C (section 4.1.1)", 0
     )
-    bin_translation: float = _value(2.0, EDGES, "bin size of the voting space in translation (section 4.1.1)", 0.1)
-    bin_rotation: float = _value(1.5, DEGREES, "bin size of the voting space in rotation (section 4.1.1)", 0.1, 45)
-    cluster_translation: float = _value(
-        2.0, EDGES, "largest distance of two transformations of one cluster (section 4.1.2)", 0.1
-    )
-    cluster_rotation: float = _value(
-        1.5, DEGREES, "largest angle between two transformations of one cluster (section 4.1.2)", 0.1, 45
-    )
     bayes_ratio: float = _value(10.0, FACTOR, "Bayes ratio K that keeps a transformation (section 4.2.2)", 1)
-    keep_length: float = _value(3.0, FACTOR, "a curve that does not recur is kept above this many l0 (section 5.1)", 0)
-    keep_curvature: float = _value(
-        1.0, FACTOR, "or above l0 and above this share of the mean curvature C (section 5.1)", 0
+    keep_odds: float = _value(
+        3.0, FACTOR, "odds to be no clutter above which a curve that does not recur is kept (section 5.1)", 0.001
     )
     smoothing: float = _value(3.0, EDGES, "standard deviation of the smoothing along each curve", 0, 20)
     link_gap: float = _value(
-        25.0, EDGES, "largest gap over which pieces of a curve that does not recur are joined (section 5.1)", 0, 200
+        25.0, EDGES, "largest gap over which pieces of a curve that does not recur may be joined (section 5.1)", 0, 200
     )
     epsilon: float = _value(2.0, EDGES, "radius within which occurrences show the same curve (section 5.2)", 0.1)
-    margin: float = _value(45.0, EDGES, "how far around what is known of a thing its other curves are looked for", 1, 500)
-    join: float = _value(30.0, EDGES, "largest gap between the curves of one thing", 1, 500)
+    thing_margin: float = _value(45.0, EDGES, "how far around what is known of a thing the rest is looked for", 1, 500)
+    thing_gap: float = _value(30.0, EDGES, "largest gap between the curves of one thing", 1, 500)
     significance: float = _value(
         0.05, FACTOR, "odds of chance to evidence below which a curve or an occurrence is taken for real", 1e-9, 0.5
     )

@@ -9,10 +9,10 @@ import numpy as np
 
 from .fitting import FittedCompletion, fit_completion
 from .parameters import Parameters
+from .stages import STAGES
 from .values import Completion, Curves, InputClasses
 
 SCHEMA = "fcn-report/1"
-STAGES = ("blast", "voting", "clustering", "orbits", "selection", "completion")
 
 
 def report(
@@ -99,6 +99,7 @@ def _transformation(t) -> dict:
         "extent": np.asarray(t.extent).astype(int).tolist(),
         "log_bayes_factor": float(t.log_bayes_factor),
         "support": float(t.support),
+        "e_value": float(t.e_value),
     }
 
 

@@ -60,6 +60,7 @@ class Transformation:
     extent : (g, 2) int64, lowest and highest power of each generator that is seen, both inclusive
     log_bayes_factor : log of the ratio K of the model with it to the model without it
     support : share of the length of all curves that recurs under it, 0 to 1
+    e_value : how many things as good as the best of its own a scene without recurrence would give
     """
 
     id: int
@@ -68,6 +69,7 @@ class Transformation:
     extent: np.ndarray
     log_bayes_factor: float
     support: float
+    e_value: float = 0.0
 
 
 @dataclass(frozen=True)

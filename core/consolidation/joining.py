@@ -33,18 +33,13 @@ def join_paths(paths, *, gap=6.0, angle=35.0, most=np.inf, passed=None, parted=N
     )]  # fmt: skip
 
 
-def linked_paths(paths, *, gap=6.0, angle=35.0, most=np.inf, passed=None, parted=None, forced=(), arm=None):
-    """As `join_paths`, with the indices of the paths that each chain is made of: (points, closed, list of int).
-
-    arm : samples of an end that say how it goes on; more than `ARM` where noise hides it
-    """
+def linked_paths(paths, *, gap=6.0, angle=35.0, most=np.inf, passed=None, parted=None, forced=()):
+    """As `join_paths`, with the indices of the paths that each chain is made of: (points, closed, list of int)."""
     if not paths:
         return []
-    arm = ARM if arm is None else arm
     tip = np.concatenate([[p[0], p[-1]] for p in paths])
-    curved = arm <= ARM
-    arms = [part for p in paths for part in (p[:arm], p[::-1][:arm])]
-    way = outward(arms, curved)
+    arms = [part for p in paths for part in (p[:ARM], p[::-1][:ARM])]
+    way = outward(arms)
     partner = match_ends(tip, way, arms, [len(p) for p in paths], gap, angle, most, passed, parted, forced)
     out, used = [], np.zeros(len(paths), bool)
     for i in range(len(paths)):

@@ -3,8 +3,8 @@
 
 Candidates come from an overlay with wide margins, so that in a row of windows the neighbours' curves are among them.
 Those that most poses show come first, and each sample of the network is explained once: of curves that are each
-other's images under the poses one is left. A curve belongs to all poses or, if that pays, to some of them: to a set that
-other curves have, or to one of its own, at the price of naming it.
+other's images under the poses one is left. A curve belongs to all poses or, if that pays, to some of them: to a set
+that other curves have, or to one of its own, at the price of naming it.
 """
 
 from __future__ import annotations
@@ -17,12 +17,33 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 from scipy.special import gammaln
 
-from .evidence import RIVAL, Sightings, chances, kept_stretches, log_odds, point_scores, seen_by, sightings
+from ..geometry.motions import apply
+from .evidence import (
+    LEAST_CHANCE,
+    LEAST_SHOWN,
+    RIVAL,
+    Sightings,
+    chances,
+    kept_stretches,
+    log_odds,
+    point_scores,
+    seen_by,
+    sightings,
+)
+from .homing import at_home
 from .overlay import Overlay
 
 GAP, SHORTEST, NEAR = 8, 5, 0.5
 """Tolerances: points of the shortest gap that is cut into a curve, points of the shortest curve, and the poses that a
 candidate may be seen at less to be preferred for lying one size of the thing nearer to its core."""
+
+
+PLACES = 6.0
+"""Nats for where, in the margin of a thing, a curve of a set of poses of its own may lie: some hundred places at which
+long straight lines can meet by chance."""
+
+TOUCHING = 1.0
+"""Nats that a curve must have that touches what is known of the thing."""
 
 
 @dataclass(frozen=True)
@@ -42,37 +63,75 @@ class Chosen:
         )  # fmt: skip
 
 
-def choose(curves, closed, overlay: Overlay, core, *, p, least, radius, taken=None, sets=()) -> Chosen:
+def choose(curves, closed, overlay: Overlay, core, *, p, least, join, radius, motions, halves, sets=()) -> Chosen:
     """Of candidate curves those that the evidence is for.
 
     Parameters
     ----------
     curves, closed : candidates in the thing's frame; core : (m, 3) float64, points that surely belong to it
-    p : share of a curve that a pose shows; least : nats that a curve must have
-    taken : (n,) float64, distance of each sample of the network to a curve that explains it already, inf for none
+    p : share of a curve that a pose shows
+    least : nats that a curve must have at `join` edge lengths from what is known of the thing; the less, the closer
+    motions : (m, 4, 4) float64, from poses to their neighbours, in the thing's frame
+    halves : (h, k) bool, sets of poses that lie together, see `halves_of`
     sets : (k,) bool arrays, sets of poses that other curves have
     """
-    found = sightings(curves, overlay, radius=radius)
     q = np.minimum(chances(curves, overlay, radius=radius), 0.9 * p)
-    samples = int(overlay.sample.max(initial=-1)) + 1
-    taken = np.full(samples, np.inf) if taken is None else taken[:samples].copy()
-    sets, out = list(sets), []
-    for c in _order(found, overlay, curves, core, p):
-        here = found.of_curve(c)
-        item = found.item[here]
-        fresh = taken[overlay.sample[item]] - found.distance[here] > RIVAL
-        seen = np.zeros((overlay.cells, len(curves[c])), bool)
-        seen[overlay.cell[item[fresh]], found.point[here][fresh] - found.offsets[c]] = True
-        mine, parts, score = _best_set(seen, closed[c], p, q[c], sets, least)
-        if mine is None:
-            continue
-        if not any((mine == known).all() for known in sets):
-            sets.append(mine)
-        whole = len(parts) == 1 and len(parts[0]) == len(curves[c])
-        out += [(curves[c][part], closed[c] and whole, mine, score) for part in parts]
-        inside = np.isin(found.point[here] - found.offsets[c], np.concatenate(parts)) & mine[overlay.cell[item]]
-        np.minimum.at(taken, overlay.sample[item[inside]], found.distance[here][inside])
+    curves = at_home(
+        curves, motions, overlay, core, q, p=p, least=least, reach=join, near=NEAR, radius=radius
+    )  # fmt: skip
+    q = np.minimum(chances(curves, overlay, radius=radius), 0.9 * p)
+    found = sightings(curves, overlay, radius=radius)
+    taken = np.full(int(overlay.sample.max(initial=-1)) + 1, np.inf)
+    sets, out, known = list(sets), [], _Near(core)
+    left = list(_order(found, overlay, curves, core, p))
+    while left:
+        again = []
+        for c in left:
+            price = known.price(curves[c], least, join)
+            here = found.of_curve(c)
+            point, item = found.point[here] - found.offsets[c], found.item[here]
+            fresh = taken[overlay.sample[item]] - found.distance[here] > RIVAL
+            seen = np.zeros((overlay.cells, len(curves[c])), bool)
+            seen[overlay.cell[item[fresh]], point[fresh]] = True
+            mine, parts, score = _best_set(seen, closed[c], p, q[c], sets, halves, least, price)
+            if mine is None:
+                again.append(c)
+                continue
+            if not any((mine == s).all() for s in sets):
+                sets.append(mine)
+            whole = len(parts) == 1 and len(parts[0]) == len(curves[c])
+            out += [(curves[c][part], closed[c] and whole, mine, score) for part in parts]
+            inside = np.isin(point, np.concatenate(parts)) & mine[overlay.cell[item]]
+            np.minimum.at(taken, overlay.sample[item[inside]], found.distance[here][inside])
+            known.add([curves[c][part] for part in parts])
+        if len(again) == len(left) or not known.grown():
+            break
+        left = again
     return _chosen(out, overlay.cells)
+
+
+class _Near:
+    """How far a curve is from what is known of the thing, which grows."""
+
+    def __init__(self, core):
+        self.points, self.more = core, []
+        self.tree = cKDTree(core)
+
+    def price(self, curve, least, join):
+        """Nats that a curve must have: little where it touches what is known, `least` at `join`, more beyond."""
+        gap = self.tree.query(curve)[0].min()
+        return max(TOUCHING, least * gap / join)
+
+    def add(self, curves):
+        self.more += curves
+
+    def grown(self):
+        """Take up what was added; whether there was something."""
+        if not self.more:
+            return False
+        self.points, self.more = np.concatenate([self.points, *self.more]), []
+        self.tree = cKDTree(self.points)
+        return True
 
 
 def _chosen(rows, cells) -> Chosen:
@@ -84,34 +143,66 @@ def _order(found: Sightings, overlay, curves, core, p):
     """Candidates in the order in which they are asked: those that most poses show, then those close to the core."""
     seen = seen_by(found, overlay)
     share = np.add.reduceat(seen, found.offsets[:-1], axis=1, dtype=float) / np.diff(found.offsets)
-    tree = cKDTree(core)
+    tree, size = cKDTree(core), max(np.linalg.norm(core.std(axis=0)), 10.0)
     away = np.array([np.median(tree.query(c)[0]) for c in curves])
-    size = max(np.linalg.norm(core.std(axis=0)), 10.0)
     return np.argsort(-(np.clip(share / p, 0, 1).sum(axis=0) - NEAR * away / size), kind="stable")
 
 
-def _best_set(seen, ring, p, q, sets, least):
+def _best_set(seen, ring, p, q, sets, halves, least, price):
     """The poses (k,) bool at which a curve is best said to be, the stretches of it that are left, and its nats.
 
-    seen : (k, n) bool. None where nothing pays.
+    seen : (k, n) bool; halves : (h, k) bool, sets that are cheap to name; least : nats against a stretch that cut it
+    out; price : nats that a curve must have. None where nothing pays.
     """
     k = len(seen)
-    each = log_odds(seen, p, q).sum(axis=1)
+    each = log_odds(seen, _rate(seen, p, q), q).sum(axis=1)
+    if (each > 0).any():
+        each = log_odds(seen, _rate(seen[each > 0], p, q), q).sum(axis=1)
     own = each > 0
     m = int(own.sum())
-    options = [(np.ones(k, bool), 0.0)]
-    options += [(known, np.log(1 + len(sets))) for known in sets if not known.all()]
+    options = [(np.ones(k, bool), 0.0, price)]
+    options += [(known, np.log(1 + len(sets)), price) for known in sets if not known.all()]
+    if len(halves):
+        half = halves[np.argmax(halves @ each)]
+        options.append((half, np.log(len(halves)), price + PLACES))
     if 2 <= m < k:
-        options.append((own, gammaln(k + 1) - gammaln(m + 1) - gammaln(k - m + 1) + np.log(k)))
+        options.append((own, gammaln(k + 1) - gammaln(m + 1) - gammaln(k - m + 1) + np.log(k), price + PLACES))
     best = None, [], 0.0
-    for mine, cost in options:
-        score = point_scores(seen[mine], p, q)
+    enough = price
+    for mine, cost, asked in options:
+        score = point_scores(seen[mine], _rate(seen[mine], p, q), q)
         parts = kept_stretches(score, ring, least, GAP)
         parts = [part for part in parts if len(part) >= SHORTEST and score[part].sum() > 0]
         total = sum(score[part].sum() for part in parts) - cost
-        if parts and total > max(best[2], least):
-            best = mine, parts, total
-    return best
+        if parts and total > best[2]:
+            best, enough = (mine, parts, total), asked
+    return best if best[2] > enough else (None, [], 0.0)
+
+
+def halves_of(poses, points):
+    """(h, k) bool, the sets of two poses or more that lie on one side of a plane across a main direction of all: the
+    upper row, all bays but the last. They are cheap to name.
+
+    points : (n, 3) float64, of the thing
+    """
+    k = len(poses)
+    if k < 3:
+        return np.zeros((0, k), bool)
+    at = apply(poses, points.mean(axis=0)[None])[:, 0]
+    at = at - at.mean(axis=0)
+    order = np.argsort(at @ np.linalg.eigh(at.T @ at)[1], axis=0, kind="stable")
+    rank = np.argsort(order, axis=0, kind="stable")
+    cut = np.arange(2, k)
+    low = rank.T[:, None] < cut[:, None]
+    high = rank.T[:, None] >= (k - cut)[:, None]
+    return np.concatenate([low.reshape(-1, k), high.reshape(-1, k)])
+
+
+def _rate(seen, p, q):
+    """How likely a point of one curve is seen where it is: short curves are hidden more than long ones, so each says
+    for itself, between the least that is more than chance and what the thing as a whole shows."""
+    low = min(max(LEAST_SHOWN, 1.5 * q), 0.9)
+    return float(np.clip(seen.mean(), low, max(p, low)))
 
 
 def connected(chosen: Chosen, core, join) -> Chosen:
@@ -138,3 +229,21 @@ def merged(a: Chosen, b: Chosen) -> Chosen:
         a, curves=a.curves + b.curves, closed=a.closed + b.closed, sets=np.concatenate([a.sets, b.sets]),
         scores=np.concatenate([a.scores, b.scores]),
     )  # fmt: skip
+
+
+def trimmed(chosen: Chosen, seen, offsets, p, q, least) -> Chosen:
+    """The curves without the stretches that have at least `least` nats against them.
+
+    seen : (k, n) bool, which points of all curves the poses show; offsets : (c + 1,) where the points of each begin
+    p : share of a curve that a pose shows; q : (c,) float64, chance
+    """
+    out = []
+    for c, (curve, ring, mine) in enumerate(zip(chosen.curves, chosen.closed, chosen.sets)):
+        here = seen[mine, offsets[c] : offsets[c + 1]]
+        # Other curves of the thing, which the decoys hit, explain their samples already.
+        chance = min(q[c], 0.5 * max(here.mean(), 2 * LEAST_CHANCE))
+        score = point_scores(here, _rate(here, p, chance), chance)
+        for part in kept_stretches(score, ring, least, GAP):
+            if len(part) >= SHORTEST:
+                out.append((curve[part], ring and len(part) == len(curve), mine, score[part].sum()))
+    return _chosen(out, chosen.sets.shape[1])

@@ -20,7 +20,7 @@ FEW, MOSTLY = 5, 0.5
 """Poses up to which a curve is also taken from a single one, and the share of it that must be agreed on."""
 
 
-def candidate_curves(overlay: Overlay, *, epsilon, tick=None):
+def candidate_curves(overlay: Overlay, *, epsilon, chance=CHANCE_SHARE, tick=None):
     """Clean curves on which the poses of an overlay agree: list of (k, 3) float64, list of bool (closed).
 
     A sample is kept when enough other poses show it: as many as leave only `CHANCE_SHARE` to chance, which is what is
@@ -34,7 +34,7 @@ def candidate_curves(overlay: Overlay, *, epsilon, tick=None):
     count, mean = agreement(overlay, radius=1.25 * epsilon)
     wrong, _ = agreement(overlay, radius=1.25 * epsilon, moved=_scattered(overlay))
     keep = agreed(
-        count, least_agreement(count, wrong, overlay.weights), overlay.run,
+        count, least_agreement(count, wrong, overlay.weights, chance), overlay.run,
         few=_well_shown(overlay.cell, overlay.weights * (count > 0)) <= FEW,
     )  # fmt: skip
     if not keep.any():
@@ -76,11 +76,11 @@ def agreed(count, least, run, few=False):
     return keep
 
 
-def least_agreement(count, wrong, weight):
-    """Fewest agreeing poses that leave at most `CHANCE_SHARE` of the length to chance."""
+def least_agreement(count, wrong, weight, share=CHANCE_SHARE):
+    """Fewest agreeing poses that leave at most a share of the length to chance."""
     top = int(count.max(initial=0))
     for least in range(1, top + 1):
         seen, chance = weight[count >= least].sum(), weight[wrong >= least].sum()
-        if chance <= CHANCE_SHARE * seen:
+        if chance <= share * seen:
             return least
     return max(1, top)

@@ -28,6 +28,9 @@ RIVAL = 1.0
 DECOYS, ASIDE = 6, 4.0
 """Motions that measure chance, and edge lengths by which one must move a point across its curve to tell something."""
 
+LEAST_SHOWN, MOST_SHOWN = 0.35, 0.9
+"""Bounds of the share of a curve that a pose shows."""
+
 LEAST_CHANCE, MOST_CHANCE, TRUST = 0.05, 0.6, 50.0
 """Bounds of the chance of a sighting, and the number of points at which the measured value weighs as much as the
 least one."""
@@ -91,13 +94,16 @@ def chances(curves, overlay: Overlay, *, radius):
 
 
 def log_odds(seen, p, q):
-    """(cells, points) float64, nats that each point of a curve adds at each pose; seen : (cells, points) bool."""
-    return np.where(seen, np.log(p / q), np.log((1 - p) / (1 - q))) / APART
+    """(cells, points) float64, nats that each point of a curve adds at each pose; seen : (cells, points) bool.
+
+    A curve shorter than `APART` is one observation in each pose.
+    """
+    return np.where(seen, np.log(p / q), np.log((1 - p) / (1 - q))) / min(APART, seen.shape[1])
 
 
 def point_scores(seen, p, q):
     """(points,) float64, nats of each point over all poses, one sighting being its discovery."""
-    first = np.log(p / q) / APART
+    first = np.log(p / q) / min(APART, seen.shape[1])
     return log_odds(seen, p, q).sum(axis=0) - first * seen.any(axis=0)
 
 

@@ -71,7 +71,7 @@ def fitted_curves(curves, closed, sets, overlay: Overlay, *, radius, tick=None):
     )
 
 
-def own_evidence(found, overlay: Overlay, curves, sets, p, q):
+def own_evidence(found, overlay: Overlay, sets, p, q):
     """(k,) float64, nats that speak for each pose: what it shows that no stronger pose explains.
 
     found : sightings of the curves in the overlay; sets : (c, k) bool; p, q (c,) : chance to be seen where a curve is

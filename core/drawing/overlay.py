@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -38,10 +38,16 @@ class Overlay:
         """The samples of some poses (k,) int64 alone; these are then numbered from 0."""
         number = np.full(self.cells, -1)
         number[cells] = np.arange(len(cells))
-        use = np.flatnonzero(number[self.cell] >= 0)
-        return Overlay(
-            self.points[use], self.tangents[use], self.weights[use], number[self.cell[use]], self.sample[use],
-            self.run[use], len(cells),
+        out = self.part(number[self.cell] >= 0)
+        return replace(out, cell=number[out.cell], cells=len(cells))
+
+    def part(self, use) -> Overlay:
+        """Some of the samples, flags (n,) bool; a run is broken where some are left out."""
+        use = np.flatnonzero(use)
+        cut = np.r_[0, (np.diff(use) > 2) | (np.diff(self.run[use]) != 0)]
+        return replace(
+            self, points=self.points[use], tangents=self.tangents[use], weights=self.weights[use],
+            cell=self.cell[use], sample=self.sample[use], run=np.cumsum(cut),
         )  # fmt: skip
 
 
@@ -84,7 +90,8 @@ def agreement(overlay: Overlay, *, radius, cosine=0.8, stretch=8, moved=None):
 
     Parameters
     ----------
-    radius : edge lengths; cosine : least cosine of the tangents; stretch : shortest run of agreeing samples
+    radius : edge lengths; cosine : least cosine of the tangents; stretch : shortest stretch of
+        agreeing samples, or a whole run where that is shorter
     moved : (n, 3) float64, places of the samples in place of their own, to learn what chance gives
 
     Returns
@@ -116,7 +123,8 @@ def agreement(overlay: Overlay, *, radius, cosine=0.8, stretch=8, moved=None):
 
 
 def _long_stretches(hit, run, least):
-    """Of flags (n, k), in each column those in unbroken stretches of at least `least` samples of one run."""
+    """Of flags (n, k), in each column those in unbroken stretches of at least `least` samples of one run, or of all
+    samples of a shorter one."""
     n = len(hit)
     if not n:
         return hit
@@ -124,7 +132,8 @@ def _long_stretches(hit, run, least):
     fresh = hit & (new[:, None] | ~np.concatenate([np.zeros((1, hit.shape[1]), bool), hit[:-1]]))
     name = np.cumsum(fresh.T.ravel()).reshape(hit.shape[1], n).T
     size = np.bincount(name[hit], minlength=name.max(initial=0) + 1)
-    return hit & (size[name] >= least)
+    run = np.cumsum(new) - 1
+    return hit & (size[name] >= np.minimum(least, np.bincount(run))[run][:, None])
 
 
 def decoys(points, count, seed=0):

@@ -9,18 +9,22 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ..network.network import CurveNetwork
-from .choosing import Chosen, choose, connected, merged
+from .choosing import Chosen, choose, connected, halves_of, merged, trimmed
 from .consensus import candidate_curves
-from .evidence import chances, seen_by, sightings
+from .continuing import continued, explained_items, free_runs
+from .evidence import LEAST_SHOWN, MOST_SHOWN, chances, seen_by, sightings
 from .fitting import fitted_curves, own_evidence, refined_poses
 from .overlay import gather
 from .sliding import relative_motions, slides
 
+LENIENT = 0.4
+"""Tolerance: share of chance up to which candidates are proposed in what is left; evidence decides about them."""
+
+SINGLE, ANOTHER = 150, 1.4
+"""Bound on the work: curves of single poses that are looked at; and poses that must show one, its own included."""
+
 CORE = 4.0
 """Tolerance: edge lengths from the core within which a candidate tells how much a pose shows."""
-
-LEAST_SHOWN, MOST_SHOWN = 0.35, 0.9
-"""Bounds of the share of a curve that a pose shows."""
 
 
 @dataclass(frozen=True)
@@ -39,8 +43,9 @@ class Drawer:
     def __init__(self, network: CurveNetwork, free, parameters, tick=None):
         self.network, self.free, self.tick = network, free, tick or (lambda: None)
         self.epsilon, self.radius = parameters.epsilon, 1.25 * parameters.epsilon
-        self.margin, self.join = parameters.margin, parameters.join
+        self.margin, self.join = parameters.thing_margin, parameters.thing_gap
         self.least = -np.log(parameters.significance)
+        self.how = {"least": self.least, "join": self.join, "radius": self.radius}
 
     def draw(self, points, poses, rounds=2, passes=2) -> Drawing | None:
         """The curves of a thing, given points (m, 3) of it and poses (k, 4, 4); None where nothing is left of it."""
@@ -61,27 +66,47 @@ class Drawer:
             region = np.concatenate(chosen.curves)
         chosen, poses = self._fitted(chosen, poses)
         for _ in range(passes):
-            more = self._rest(chosen, poses)
+            more = self._rest(chosen, poses, self._agreed)
             if not more.curves:
                 break
             chosen = merged(chosen, more)
-        chosen, poses = self._fitted(chosen, poses)
-        return Drawing(chosen, poses, kept)
+        more = self._rest(chosen, poses, self._single)
+        if more.curves:
+            chosen, poses = self._fitted(merged(chosen, more), poses)
+        overlay = self._around(chosen, poses)
+        chosen = continued(chosen, sightings(chosen.curves, overlay, radius=self.radius), overlay)
+        chosen = self._trimmed(chosen, poses)
+        if not chosen.curves:
+            return None
+        return Drawing(*self._fitted(chosen, poses), kept)
+
+    def _around(self, chosen: Chosen, poses):
+        """Overlay of all that lies around the curves."""
+        return gather(self.network, poses, np.concatenate(chosen.curves), self.free, self.margin)
+
+    def _trimmed(self, chosen: Chosen, poses) -> Chosen:
+        """The curves without stretches that their poses surely do not show."""
+        overlay = self._around(chosen, poses)
+        found = sightings(chosen.curves, overlay, radius=self.radius)
+        p = self._typical(chosen, found, overlay)
+        q = np.minimum(chances(chosen.curves, overlay, radius=self.radius), 0.9 * p)
+        return trimmed(chosen, seen_by(found, overlay), found.offsets, p, q, self.least)
 
     def _chosen(self, region, core, poses) -> Chosen:
         overlay = gather(self.network, poses, region, self.free, self.margin)
         self.tick()
         curves, closed = candidate_curves(overlay, epsilon=self.epsilon, tick=self.tick)
-        curves, closed = self._staying(curves, closed, poses, core)
+        motions = relative_motions(poses, core)
+        curves, closed = self._staying(curves, closed, motions, overlay)
         if not curves:
             return Chosen([], [], np.zeros((0, len(poses)), bool), np.zeros(0))
         p = self._shown(curves, overlay, core)
-        chosen = choose(curves, closed, overlay, core, p=p, least=self.least, radius=self.radius)
-        return connected(chosen, core, self.join)
+        how = {"p": p, "motions": motions, "halves": halves_of(poses, core), **self.how}
+        return connected(choose(curves, closed, overlay, core, **how), core, self.join)
 
-    def _staying(self, curves, closed, poses, core):
+    def _staying(self, curves, closed, motions, overlay):
         """The curves that do not slide along themselves."""
-        stays = ~slides(curves, relative_motions(poses, core), radius=self.radius)
+        stays = ~slides(curves, motions, overlay, radius=self.radius)
         return [c for c, s in zip(curves, stays) if s], [c for c, s in zip(closed, stays) if s]
 
     def _shown(self, curves, overlay, core):
@@ -93,13 +118,14 @@ class Drawer:
 
     def _paying(self, chosen: Chosen, poses):
         """The curves at the poses that show enough of their own, and which poses (k,) bool these are."""
-        overlay = gather(self.network, poses, np.concatenate(chosen.curves), self.free, self.margin)
+        overlay = self._around(chosen, poses)
         found = sightings(chosen.curves, overlay, radius=self.radius)
-        seen = seen_by(found, overlay)
-        has = np.repeat(chosen.sets.T, np.diff(found.offsets), axis=1)
-        p = float(np.clip(seen[has].mean(), LEAST_SHOWN, MOST_SHOWN))
+        p = self._typical(chosen, found, overlay)
         q = np.minimum(chances(chosen.curves, overlay, radius=self.radius), 0.9 * p)
-        good = own_evidence(found, overlay, chosen.curves, chosen.sets, p, q) > self.least
+        # The more of the thing a pose lacks, the more must what it has speak for it.
+        size = np.diff(found.offsets)
+        price = self.least * (1 - 1.5 * (size @ chosen.sets) / size.sum())
+        good = own_evidence(found, overlay, chosen.sets, p, q) > price
         sets = chosen.sets[:, good]
         use = np.flatnonzero(sets.sum(axis=1) >= 2)
         return Chosen(chosen.curves, chosen.closed, sets, chosen.scores).part(use), good
@@ -107,9 +133,7 @@ class Drawer:
     def _fitted(self, chosen: Chosen, poses, rounds=2):
         """Curves and poses fitted to the samples in turn."""
         for _ in range(rounds):
-            poses = refined_poses(
-                self.network, chosen.curves, poses, self.free, radius=self.radius, sets=chosen.sets
-            )
+            poses = refined_poses(self.network, chosen.curves, poses, self.free, radius=self.radius, sets=chosen.sets)
             overlay = gather(self.network, poses, np.concatenate(chosen.curves), self.free, 2 * self.radius)
             curves = fitted_curves(
                 chosen.curves, chosen.closed, chosen.sets, overlay, radius=self.radius, tick=self.tick
@@ -117,27 +141,41 @@ class Drawer:
             chosen = Chosen(curves, chosen.closed, chosen.sets, chosen.scores)
         return chosen, poses
 
-    def _rest(self, chosen: Chosen, poses) -> Chosen:
-        """Curves that the poses agree on in what the chosen ones leave."""
+    def _agreed(self, overlay):
+        """Candidates where the poses agree."""
+        return candidate_curves(overlay, epsilon=self.epsilon, chance=LENIENT, tick=self.tick)
+
+    def _single(self, overlay):
+        """Candidates as single poses show them, those that others show best; where holes leave little to agree on."""
+        runs = free_runs(overlay, np.ones(len(overlay.points), bool))
+        if not runs:
+            return [], []
+        found = sightings(runs, overlay, radius=self.radius)
+        seen = seen_by(found, overlay)
+        poses = np.add.reduceat(seen, found.offsets[:-1], axis=1, dtype=float).sum(axis=0) / np.diff(found.offsets)
+        best = np.argsort(-poses, kind="stable")[:SINGLE]
+        return [runs[c] for c in best if poses[c] > ANOTHER], [False] * int((poses[best] > ANOTHER).sum())
+
+    def _rest(self, chosen: Chosen, poses, candidates) -> Chosen:
+        """Of the candidates in what the chosen curves leave, those that the evidence is for."""
         drawn = np.concatenate(chosen.curves)
-        overlay = gather(self.network, poses, drawn, self.free, self.margin)
-        found = sightings(chosen.curves, overlay, radius=self.radius)
-        curve = np.repeat(np.arange(len(chosen.curves)), np.diff(found.offsets))
-        at = chosen.sets[curve[found.point], overlay.cell[found.item]]
-        explained = np.zeros(len(self.free), bool)
-        explained[overlay.sample[found.item[at]]] = True
-        free = self.free & ~explained
+        around = self._around(chosen, poses)
+        found = sightings(chosen.curves, around, radius=self.radius)
+        overlay = around.part(~explained_items(chosen, found, around))
         nothing = Chosen([], [], np.zeros((0, len(poses)), bool), np.zeros(0))
-        overlay = gather(self.network, poses, drawn, free, self.margin)
         if not len(overlay.points):
             return nothing
-        curves, closed = candidate_curves(overlay, epsilon=self.epsilon, tick=self.tick)
-        curves, closed = self._staying(curves, closed, poses, drawn)
+        curves, closed = candidates(overlay)
+        motions = relative_motions(poses, drawn)
+        curves, closed = self._staying(curves, closed, motions, around)
         if not curves:
             return nothing
-        seen = seen_by(found, gather(self.network, poses, drawn, self.free, self.margin))
-        has = np.repeat(chosen.sets.T, np.diff(found.offsets), axis=1)
-        p = float(np.clip(seen[has].mean(), LEAST_SHOWN, MOST_SHOWN))
-        sets = [s for s in np.unique(chosen.sets, axis=0)]
-        more = choose(curves, closed, overlay, drawn, p=p, least=self.least, radius=self.radius, sets=sets)
+        p = self._typical(chosen, found, around)
+        how = {"p": p, "motions": motions, "halves": halves_of(poses, drawn), **self.how}
+        more = choose(curves, closed, overlay, drawn, sets=list(np.unique(chosen.sets, axis=0)), **how)
         return connected(more, drawn, self.join)
+
+    def _typical(self, chosen: Chosen, found, overlay):
+        """Share of the curves that their poses show."""
+        has = np.repeat(chosen.sets.T, np.diff(found.offsets), axis=1)
+        return float(np.clip(seen_by(found, overlay)[has].mean(), LEAST_SHOWN, MOST_SHOWN))

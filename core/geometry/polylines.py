@@ -109,17 +109,17 @@ def directions(curve) -> np.ndarray:
     return step / np.maximum(np.linalg.norm(step, axis=1), 1e-12)[:, None]
 
 
-def outward(arms, curved=True):
+def outward(arms):
     """(e, 3) float64, unit directions in which paths leave through their ends.
 
     arms : e arrays (k, 3), samples from each end inwards. The direction is the slope at the end of a parabola through
-    the arm or, where noise would decide on that, of a straight line.
+    the arm.
     """
     way = np.array([arm[0] - arm[-1] for arm in arms]).reshape(-1, 3)
     for own, lines in _of_one_length(arms, 4):
         s = _travelled(lines)
         own, s, lines = own[s[:, -1] > 0], s[s[:, -1] > 0], lines[s[:, -1] > 0]
-        way[own] = -_fitted(s, lines, 2 if curved else 1)[1][:, 1]
+        way[own] = -_fitted(s, lines, 2)[1][:, 1]
     return way / np.maximum(np.linalg.norm(way, axis=1), 1e-12)[:, None]
 
 

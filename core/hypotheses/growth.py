@@ -107,32 +107,38 @@ def with_more_poses(field: Field, thing: Hypothesis, seeds: Seeds, taken) -> Hyp
     poses, witnesses = align(field, poses[order], rough, radii=(4.0, 2.5, 2.0)), witnesses[order]
     cost = np.maximum(FREE_POSE - WITNESS * (np.minimum(witnesses, 4) - 1), ORBIT_POSE)
     score = pose_scores(field, thing, poses, owned, beside=thing.poses)[0]
-    alive = score > cost
+    good = np.flatnonzero(score > cost)
+    poses, cost, score = align(field, poses[good], thing.probe, radii=(2.5, 2.0)), cost[good], score[good]
+    good = np.flatnonzero(_prominence(field, thing, poses, owned) >= PROMINENT)
+    return accepted(field, thing, poses[good], cost[good], owned)
+
+
+def accepted(field, thing, poses, cost, owned):
+    """The thing with those of the poses (k, 4, 4) that pay, the best first, each sample explained once."""
     known, scores, costs = [thing.poses], [thing.scores], [thing.cost]
+    alive = np.ones(len(poses), bool)
+    score = np.zeros(len(poses))
     while alive.any():
+        left = np.flatnonzero(alive)
+        score[left] = pose_scores(field, thing, poses[left], owned, beside=np.concatenate(known))[0]
+        alive[left] = score[left] > cost[left]
+        if not alive.any():
+            break
         best = int(np.where(alive, score - cost, -np.inf).argmax())
         alive[best] = False
-        pose = align(field, poses[best : best + 1], thing.probe, radii=(2.5, 2.0))
-        so_far = np.concatenate(known)
-        sure = pose_scores(field, thing, pose, owned, beside=so_far)[0][0]
-        if sure <= cost[best] or not _prominent(field, thing, pose, owned):
-            continue
-        known.append(pose)
-        scores.append([sure])
+        known.append(poses[best : best + 1])
+        scores.append(score[best : best + 1])
         costs.append(cost[best : best + 1])
-        owned = owned | explained(field, thing, pose)
-        left = np.flatnonzero(alive)
-        if len(left):
-            score[left] = pose_scores(field, thing, poses[left], owned, beside=np.concatenate(known))[0]
-            alive[left] = score[left] > cost[left]
+        owned = owned | explained(field, thing, poses[best : best + 1])
     return replace(thing, poses=np.concatenate(known), scores=np.concatenate(scores), cost=np.concatenate(costs))
 
 
-def _prominent(field, thing, pose, owned):
-    """Whether a pose (1, 4, 4) beats its own shifts."""
-    wrong = decoys(pose, thing.points.mean(axis=0), thing.tangents)[0, :SHIFTS]
-    scores = pose_scores(field, thing, np.concatenate([pose, wrong]), owned)[0]
-    return scores[0] - scores[1:].max() >= PROMINENT
+def _prominence(field, thing, poses, owned):
+    """(k,) float64, by how much poses (k, 4, 4) beat their own shifts."""
+    wrong = decoys(poses, thing.points.mean(axis=0), thing.tangents)[:, :SHIFTS]
+    score = pose_scores(field, thing, poses, owned)[0]
+    beside = pose_scores(field, thing, wrong.reshape(-1, 4, 4), owned)[0].reshape(-1, SHIFTS)
+    return score - beside.max(axis=1)
 
 
 def _candidates(thing, seeds, field):

@@ -58,6 +58,9 @@ class Places:
         self._balls = {}
         self.field = field
 
+    def __len__(self):
+        return len(self.sample)
+
     def balls(self, places, radius):
         """(k, POINTS) int64 samples in the balls about places (k,), evenly chosen, nearest first; -1 where there are fewer."""
         if radius not in self._balls:
@@ -73,34 +76,55 @@ class Places:
         return self._balls[radius][places]
 
 
-def find_seeds(field: Field, matches, *, epsilon, most=12_000, keep=2_500, tick=lambda: None) -> Seeds:
-    """Seeds of matches (list of Matches), best first.
+def find_seeds(field: Field, matches, *, epsilon, tick=lambda: None):
+    """Seeds of matches (list of Matches), best first, and the number of matches that the budget left out.
 
-    Parameters
-    ----------
-    most : matches that are refined, those of the greatest affinity that hold their motion; keep : seeds that are kept
+    Each place has a budget of its own, so that a part with very many matches, such as a comb, leaves the others theirs.
     """
     motions, source, target, weight = _middles(field, matches)
+    places = Places(field, (25.0, 50.0))
     order = np.argsort(-weight, kind="stable")
-    places = Places(field, (12.0, 25.0, 50.0))
     # Equal votes once: the same motion at the same place.
-    order = order[_first_of_each(field, motions[order], source[order], places)][:most]
-    motions, source, target = motions[order], source[order], target[order]
+    order = order[_first_of_each(field, motions[order], source[order], places)]
+    kept = order[_best_of_places(places, source[order], target[order], _budget(REFINED, len(places)))]
+    left_out = len(order) - len(kept)
+    motions, source, target = motions[kept], source[kept], target[kept]
     tick()
     motions = _refined(field, motions, source, places, 12.0, (3 * epsilon, 1.75 * epsilon, epsilon))
     tick()
     motions = _refined(field, motions, source, places, 25.0, (1.75 * epsilon, epsilon))
     raw = _raw_score(field, motions, source, places)
     order = np.argsort(-raw, kind="stable")
-    order = order[_first_of_each(field, motions[order], source[order], places)][:keep]
+    order = order[_first_of_each(field, motions[order], source[order], places)]
+    order = order[_best_of_places(places, source[order], target[order], _budget(SCORED, len(places)))]
     motions, source, target = motions[order], source[order], target[order]
     tick()
     motions, source, target = np.concatenate([motions, inverse(motions)]), np.r_[source, target], np.r_[target, source]
-    score, extent = seed_scores(field, motions, source, places, (25.0, 50.0))
+    score, extent = seed_scores(field, motions, source, places, places.radii)
     half = len(order)
     order = np.argsort(-(score[:half] + score[half:]), kind="stable")
     both = np.stack([order, order + half], axis=1).ravel()
-    return Seeds(motions, source, target, score, extent).take(both), places
+    return Seeds(motions, source, target, score, extent).take(both), left_out
+
+
+REFINED, SCORED = (12_000, 4), (3_000, 2)
+"""Matches that are refined, and seeds that are scored: in all, and at least at each place; counts that bound the work."""
+
+
+def _budget(bound, places):
+    return max(bound[1], bound[0] // max(places, 1))
+
+
+def _best_of_places(places, source, target, most):
+    """Indices of motions, best first, of which either end is among the first `most` of its place."""
+    keep = np.zeros(len(source), bool)
+    for end in (source, target):
+        at = places.of[end]
+        order = np.argsort(at, kind="stable")
+        first = np.r_[True, np.diff(at[order]) != 0]
+        rank = np.arange(len(at)) - np.maximum.accumulate(np.where(first, np.arange(len(at)), 0))
+        keep[order[rank < most]] = True
+    return np.flatnonzero(keep)
 
 
 def _middles(field, matches):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which curves carry strong evidence: for matching (section 4.1.1) and on their own (section 5.1)."""
+"""Which curves carry strong evidence: for matching (section 4.1.1)."""
 
 from __future__ import annotations
 
@@ -25,11 +25,3 @@ def strong_curves(network: CurveNetwork, *, l0, strong_curvature):
     with np.errstate(invalid="ignore"):
         curved = network.strength > strong_curvature * mean_strength(network)
     return np.flatnonzero((network.lengths > l0) | curved)
-
-
-def keeps_alone(network: CurveNetwork, *, l0, keep_length, keep_curvature):
-    """(m,) bool, curves that stay although they do not recur (section 5.1)."""
-    length, mean = network.lengths, mean_strength(network)
-    keep = length > keep_length * l0
-    with np.errstate(invalid="ignore"):
-        return keep | ((length > l0) & (network.strength > keep_curvature * mean))

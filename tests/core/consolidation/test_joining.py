@@ -121,14 +121,6 @@ def test_what_the_input_tells_of_ends_comes_before_how_they_look():
     assert sorted(sorted(m) for _, _, m in linked_paths([a, b, c], forced=forced)) == [[0, 1], [2]]
 
 
-def test_long_gaps_ask_for_ends_that_fit():
-    a, straight, beside = shapes.line(30), shapes.line(30, [49, 0.5, 0]), shapes.line(30, [49, 8, 0])
-    options = {"gap": 25, "angle": 20, "most": 1.0, "arm": 25}
-    assert len(linked_paths([a, straight], **options)) == 1
-    assert len(linked_paths([a, beside], **options)) == 2
-    assert len(linked_paths([a, straight], **{**options, "gap": 15})) == 2
-
-
 @pytest.mark.parametrize("angle, parts", [(0, 1), (40, 1), (75, 2), (90, 2), (120, 2)])
 def test_lines_are_cut_at_corners(angle, parts):
     a = np.radians(angle)

@@ -14,4 +14,4 @@ parameters.s = 1.5
 parameters.t = 3.0
 parameters.epsilon = 3.0
 parameters.link_gap = 40.0
-parameters.keep_length = 4.0
+parameters.keep_odds = 10.0

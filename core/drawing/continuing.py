@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Curves of a thing joined where they continue each other, and carried on along what single poses show.
+
+Of two or three poses each shows what the others miss. A stretch that only one of them shows is no candidate by itself;
+as the continuation of a curve of the thing it is one, and evidence decides whether the others would have shown it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..consolidation.joining import linked_paths
+from ..geometry.polylines import resample_polyline, smooth_polyline
+from .choosing import SHORTEST, Chosen
+from .evidence import Sightings
+from .overlay import Overlay
+
+GAP, FEW = 14.0, 5
+"""Tolerance: longest gap that is joined before evidence is asked; bound on the work: poses of a thing up to which
+single ones carry a curve on."""
+
+
+def continued(chosen: Chosen, found: Sightings, overlay: Overlay) -> Chosen:
+    """The curves, those at the same poses joined with each other and with runs of samples that continue them.
+
+    found : sightings of the curves in the overlay
+    """
+    explained = explained_items(chosen, found, overlay)
+    out = []
+    sets, which = np.unique(chosen.sets, axis=0, return_inverse=True)
+    for k, mine in enumerate(sets):
+        own = np.flatnonzero(which.ravel() == k)
+        rings = [i for i in own if chosen.closed[i]]
+        open_ = [i for i in own if not chosen.closed[i]]
+        out += [(chosen.curves[i], True, mine, chosen.scores[i]) for i in rings]
+        paths = [chosen.curves[i] for i in open_]
+        runs = free_runs(overlay, ~explained) if len(mine) <= FEW and mine.all() else []
+        for line, ring, members in linked_paths([*paths, *runs], gap=GAP):
+            old = [m for m in members if m < len(paths)]
+            if old:
+                if len(members) > 1 or ring:
+                    line = smooth_polyline(resample_polyline(line, 1.0, ring), 1.0, ring)
+                out.append((line, bool(ring), mine, sum(chosen.scores[open_[m]] for m in old)))
+    curves, closed, sets, scores = zip(*out)
+    return Chosen(list(curves), list(closed), np.array(sets), np.array(scores))
+
+
+def explained_items(chosen, found, overlay):
+    """(n,) bool, samples of the overlay that lie along a curve at one of its poses, under whichever pose."""
+    curve = np.repeat(np.arange(len(chosen.curves)), np.diff(found.offsets))
+    at = chosen.sets[curve[found.point], overlay.cell[found.item]]
+    seen = np.zeros(int(overlay.sample.max(initial=-1)) + 1, bool)
+    seen[overlay.sample[found.item[at]]] = True
+    return seen[overlay.sample]
+
+
+def free_runs(overlay, free):
+    """Stretches (k, 3) of consecutive free samples, long enough to be a curve."""
+    at = np.flatnonzero(free)
+    cut = np.flatnonzero((np.diff(at) != 1) | (np.diff(overlay.run[at]) != 0)) + 1
+    return [overlay.points[part] for part in np.split(at, cut) if len(part) >= SHORTEST]
