@@ -8,7 +8,7 @@ from pathlib import Path
 import bpy
 
 from ..fcn_addon.registration import register_classes, unregister_classes
-from . import menu, overlay
+from . import keymap, menu, overlay
 from .complete_panel import FCN_PT_advanced, FCN_PT_complete, FCN_PT_parameters
 from .detect_panel import FCN_PT_detect, FCN_PT_detect_more
 from .presets_panel import FCN_PT_presets
@@ -44,8 +44,10 @@ def register():
     try:
         menu.register()
         overlay.register()
+        keymap.register()
         bpy.utils.register_preset_path(HERE)
     except BaseException:
+        keymap.unregister()
         overlay.unregister()
         menu.unregister()
         unregister_classes(CLASSES)
@@ -54,6 +56,7 @@ def register():
 
 def unregister():
     bpy.utils.unregister_preset_path(HERE)
+    keymap.unregister()
     overlay.unregister()
     menu.unregister()
     unregister_classes(CLASSES)

@@ -3,12 +3,15 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
+
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
+from ..core.parameters import Parameters
 from ..fcn_addon.job import session, summary
 from ..fcn_addon.job.estimate import Summary
-from ..fcn_addon.properties.settings import BASIC, LABELS, in_edges
+from ..fcn_addon.properties.settings import BASIC, in_edges
 from ..fcn_addon.result import stored
 from ..fcn_addon.scene.units import unit_length
 from ..fcn_addon.wording import duration
@@ -145,7 +148,7 @@ class FCN_PT_advanced(Sidebar, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):
-        names = [n for n in LABELS if n not in BASIC]
+        names = [field.name for field in fields(Parameters) if field.name not in BASIC]
         _draw_parameters(self.layout, context, names)
 
 

@@ -15,26 +15,42 @@ from ..registration import register_classes, unregister_classes
 from ..result import stored, templates, writer
 from . import changes, from_parameters
 from .detection import FCN_PG_detection
+from .preferences import FCN_AP_preferences
 
-LABELS = {
-    "l0": "Shortest Match",
-    "s": "Match Distance",
-    "t": "Extended Distance",
-    "delta_l": "Extension Step",
-    "strong_curvature": "Strong Curvature",
-    "bin_translation": "Bin Size",
-    "bin_rotation": "Bin Angle",
-    "cluster_translation": "Cluster Distance",
-    "cluster_rotation": "Cluster Angle",
-    "bayes_ratio": "Bayes Ratio",
-    "keep_odds": "Keep Odds",
-    "smoothing": "Smoothing",
-    "link_gap": "Largest Gap",
-    "epsilon": "Feature Radius",
-    "block": "Block Size",
-    "threads": "Threads",
+WORDS = {
+    "l0": ("Shortest Match", "Shortest stretch over which two curves must run alike to be taken for the same"),
+    "short_l0": ("Short Match", "The same for a second search, which finds what short pieces show"),
+    "s": ("Match Distance", "How far apart two curves that run alike may be on average"),
+    "t": ("Extended Distance", "The same while a match is followed on. It is never less than Match Distance"),
+    "delta_l": ("Extension Step", "How far a match is followed on at a time"),
+    "strong_curvature": (
+        "Strong Curvature",
+        "Curves sharper than this share of the average are matched; 0 matches all",
+    ),
+    "bayes_ratio": (
+        "Clearness",
+        "How much better a repeat must explain the curves than none, to be kept. More is stricter",
+    ),
+    "keep_odds": ("Keep Odds", "How much likelier to be real than clutter a curve must be that does not repeat"),
+    "smoothing": ("Smoothing", "How much jagged curves are smoothed along their way. Corners get this much rounder"),
+    "link_gap": ("Largest Gap", "Largest gap that is closed in curves that do not repeat"),
+    "epsilon": ("Feature Radius", "How far apart the occurrences may show the same curve"),
+    "thing_margin": ("Reach", "How far around what was found of a template the rest of it is looked for"),
+    "thing_gap": ("Gap Inside", "Largest gap between the curves of one template"),
+    "significance": ("Doubt", "How likely to be chance a curve or an occurrence may be. Less is stricter"),
+    "block": ("Block Size", "Pairs handled at a time. It bounds the memory, not the result"),
+    "threads": ("Threads", "Processors that work on it; 0 takes all but one"),
 }
+"""What parameters are called here, and what they do, for people who have not read the paper."""
+
 BASIC = ("smoothing", "l0", "s", "link_gap", "epsilon")  # what a user changes first; the rest is in a sub-panel
+
+
+def _changed(group, context):
+    """Called by Blender: a match is never followed on more strictly than it began."""
+    if group.t < group.s:
+        group["t"] = group.s
+    changes.update(group, context)
 
 
 FCN_PG_parameters = type(
@@ -42,7 +58,7 @@ FCN_PG_parameters = type(
     (PropertyGroup,),
     {
         "__doc__": "The parameters of the method, made from `Parameters`.",
-        "__annotations__": from_parameters.annotations(Parameters, LABELS, changes.update),
+        "__annotations__": from_parameters.annotations(Parameters, WORDS, _changed),
     },
 )
 
@@ -146,6 +162,7 @@ class FCN_PG_settings(PropertyGroup):
 
 
 CLASSES = (
+    FCN_AP_preferences,
     FCN_PG_detection,
     FCN_PG_curves,
     FCN_PG_parameters,

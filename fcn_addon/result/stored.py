@@ -43,7 +43,7 @@ class FCN_PG_transformation(PropertyGroup):
     curves: IntProperty(name="Curves", description="How many curves its occurrences have")
     support: FloatProperty(name="Support", description="Share of the length of all curves that recurs under it")
     log_bayes_factor: FloatProperty(
-        name="Log Bayes Factor", description="How much better it explains the curves than a model without it"
+        name="Clearness", description="How much better it explains the curves than none, as a logarithm"
     )
     home: PointerProperty(type=bpy.types.Collection)
     kept: BoolProperty(
