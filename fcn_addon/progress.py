@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 # Share of the whole time that each stage takes, measured on the scenes of benchmarks/.
-SHARES = {"blast": 0.08, "voting": 0.01, "clustering": 0.38, "orbits": 0.36, "selection": 0.02, "completion": 0.15}
+SHARES = {"blast": 0.12, "seeding": 0.3, "growth": 0.4, "orbits": 0.02, "selection": 0.01, "completion": 0.15}
 DETECTION = {"mesh": 0.1, "curvature": 0.55, "lines": 0.35}
 SCAN = {name: 0.1 * share for name, share in DETECTION.items()} | {name: 0.9 * x for name, x in SHARES.items()}
 LABELS = {
@@ -12,8 +12,8 @@ LABELS = {
     "curvature": "Measuring curvature",
     "lines": "Tracing feature curves",
     "blast": "Matching curves",
-    "voting": "Voting",
-    "clustering": "Clustering transformations",
+    "seeding": "Refining matches",
+    "growth": "Growing what recurs",
     "orbits": "Finding orbits",
     "selection": "Selecting the model",
     "completion": "Completing curves",

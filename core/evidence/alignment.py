@@ -7,6 +7,7 @@ import numpy as np
 
 from ..geometry.motions import motion
 from .field import Field, Probe
+from .screws import turned
 
 ALONG, TURN = 0.02, 0.2
 """Weight of the distance along a curve beside that across it (holds what nothing else holds), and the largest turn of
@@ -79,9 +80,3 @@ def _step(points, targets, lines, hit):
     turn = turned(step[:, :3])
     return motion(turn, step[:, 3:] + centre - np.einsum("kij,kj->ki", turn, centre))
 
-
-def turned(vectors):
-    """Rotations (k, 3, 3) of rotation vectors (k, 3)."""
-    from ..geometry.motions import exponential
-
-    return exponential(np.concatenate([vectors, np.zeros_like(vectors)], axis=1))[:, :3, :3]

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..geometry.motions import motion
-from .alignment import turned
+from .screws import turned
 
 SHIFT, AWAY, TURN = 7.0, (7.0, 13.0), (4.0, 8.0)
 """Edge lengths of the shifts along the main directions; edge lengths and degrees of the others (numerical: well beyond

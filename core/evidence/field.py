@@ -12,7 +12,8 @@ from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
 
 from ..network.network import CurveNetwork
-from ..support import FACING, NeighbourField
+from ..support import FACING
+from .nearest import NearestTable
 
 COSINE = 0.8
 """Least cosine between the tangent of a moved point and that of the sample that shows it (tolerance)."""
@@ -60,7 +61,7 @@ class Field:
         self.network, self.radius = network, radius
         self.points, self.tangents, self.weights = network.points, network.tangents, network.weights
         self.tree = cKDTree(self.points)
-        self._table = NeighbourField(self.points, REACH, voxel=radius / 3, most=1 << 25)
+        self._table = NearestTable(self.points, REACH, radius / 2)
 
     def __len__(self):
         return len(self.points)
@@ -73,11 +74,8 @@ class Field:
 
     def nearest(self, points, radius=None):
         """Nearest samples (...,) int32 of points (..., 3), -1 where none is within the radius."""
-        table = self._table
-        at = ((points - table.low) / table.voxel)
-        at = np.where(at < 0, -1, at).astype(np.int32)
-        near = table.look_up(at[..., 0], at[..., 1], at[..., 2])
-        gap = points - self.points[near]
+        near = self._table.look_up(points)
+        gap = points - np.take(self.points, near, axis=0)
         radius = self.radius if radius is None else radius
         near[np.einsum("...i,...i->...", gap, gap) > radius * radius] = -1
         return near
@@ -85,9 +83,9 @@ class Field:
     def shown_by(self, probe: Probe, radius=None):
         """Samples (...,) int32 that show the points of a probe: near, along the same line, facing the same way; or -1."""
         near = self.nearest(probe.points, radius)
-        same = np.abs(np.einsum("...i,...i->...", self.tangents[near], probe.tangents)) > COSINE
+        same = np.abs(np.einsum("...i,...i->...", np.take(self.tangents, near, axis=0), probe.tangents)) > COSINE
         if probe.normals is not None and self.network.normals is not None:
-            same &= np.einsum("...i,...i->...", self.network.normals[near], probe.normals) > FACING
+            same &= np.einsum("...i,...i->...", np.take(self.network.normals, near, axis=0), probe.normals) > FACING
         if probe.kind is not None and self.network.kind is not None:
             same &= self.network.kind[near] == probe.kind
         near[~same] = -1

@@ -10,8 +10,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..geometry.motions import exponential, inverse, screw_velocity
+from ..geometry.motions import inverse, skew
 from .field import Field, Probe
+from .screws import moment, screws
 
 UNIT = 4.0
 """Edge lengths of curve that count as one observation: chance hits run on for so long (measured on decoys)."""
@@ -35,22 +36,26 @@ def sliding(field: Field, motions, probe: Probe):
     A point slides where its way runs along its curve and the network shows the curve on most of that way: a cornice
     under a translation, a ring about an axis. A sill that ends before the next one begins does not.
     """
-    w, u = screw_velocity(motions)
-    velocity = np.cross(w[:, None], probe.points) + u[:, None]
-    along = (velocity * probe.tangents).sum(-1) ** 2 > ALONG**2 * (velocity**2).sum(-1)
-    way = np.einsum("kij,kmj->kmi", motions[:, :3, :3] - np.eye(3), probe.points) + motions[:, None, :3, 3]
-    still = (way**2).sum(-1) < STILL**2
+    w, u = screws(motions)
+    velocity = probe.points @ -skew(w) + u[:, None]  # (w x p)^T = p^T [w]x^T
+    along = _dot(velocity, probe.tangents) ** 2 > ALONG**2 * _dot(velocity, velocity)
+    way = probe.points @ np.swapaxes(motions[:, :3, :3] - np.eye(3), 1, 2) + motions[:, None, :3, 3]
+    still = _dot(way, way) < STILL**2
     k, m = np.nonzero(along & ~still)
     if len(k):
-        twists = np.concatenate([w, u], axis=1)
         shown = np.zeros(len(k), np.int64)
+        points, lines = probe.points[k, m], probe.tangents[k, m]
         for f in np.arange(1, FRACTIONS + 1) / (FRACTIONS + 1):
-            part = exponential(f * twists)[k]
-            at = np.einsum("nij,nj->ni", part[:, :3, :3], probe.points[k, m]) + part[:, :3, 3]
-            line = np.einsum("nij,nj->ni", part[:, :3, :3], probe.tangents[k, m])
+            part = moment(f * w, f * u)[k]
+            at = np.einsum("nij,nj->ni", part[:, :3, :3], points) + part[:, :3, 3]
+            line = np.einsum("nij,nj->ni", part[:, :3, :3], lines)
             shown += field.shown_by(Probe(at, line)) >= 0
         along[k, m] = shown >= MOSTLY
     return (along & ~still) | still
+
+
+def _dot(a, b):
+    return np.einsum("...i,...i->...", a, b)
 
 
 def between(poses, bases):

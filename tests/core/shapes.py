@@ -6,9 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from core.drafts import Draft
-from core.geometry.motions import screw_velocity
 from core.network.building import build_network
-from core.orbits import Orbit
 from core.values import Curves
 from tests import naive
 
@@ -61,12 +59,6 @@ def in_frame(net, m):
 def to_frame(net, points):
     """Points of the world, (n, 3), in the network's frame."""
     return (points - net.centre) @ net.rotation / net.unit
-
-
-def orbit(net, kind, steps, count, *, closed=False):
-    """The orbit of steps of the world, each (4, 4), in the network's frame."""
-    twists = np.concatenate(screw_velocity(np.array([in_frame(net, m) for m in steps])), axis=1)
-    return Orbit(kind, twists, np.array(count), closed, 1.0)
 
 
 def draft(curves, poses, *, closed=None, keys=None, evidence=None, orbital=True, transformation=0):

@@ -20,7 +20,7 @@ from tests import naive
 from tests.core import shapes
 
 H, CELLS = 0.05, 5
-STAGES = ["blast", "voting", "clustering", "orbits", "selection", "completion"]
+STAGES = ["blast", "seeding", "growth", "orbits", "selection", "completion"]
 STEP = naive.rigid(shift=[2.1, 0.3, 0])
 
 

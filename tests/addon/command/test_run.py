@@ -259,10 +259,10 @@ def test_progress_in_a_log_is_a_line_a_tenth_with_the_time_left(part):
 def test_progress_of_a_short_stage_is_one_line_in_a_log(part):
     stream = io.StringIO()
     terminal = part("fcn_addon.command.terminal").Terminal(stream=stream, clock=Clock())
-    for stage in ("blast", "voting"):
+    for stage in ("blast", "seeding"):
         for i in range(11):
             terminal.progress(stage, i / 10)
-    assert [line.split()[:2] for line in stream.getvalue().splitlines()[1:]] == [["blast", "100%"], ["voting", "100%"]]
+    assert [line.split()[:2] for line in stream.getvalue().splitlines()[1:]] == [["blast", "100%"], ["seeding", "100%"]]
 
 
 def test_quiet_says_errors_only(part):

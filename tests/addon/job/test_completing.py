@@ -110,10 +110,10 @@ def test_the_parameters_are_the_papers_and_come_back_exactly(bpy, part):
     properties, parameters = part("fcn_addon.properties.settings"), part("core.parameters").Parameters
     group = bpy.context.scene.fcn.parameters
     assert properties.parameters(group) == parameters()
-    other = parameters(l0=12.3, s=0.01, t=0.7, bin_rotation=2.25, threads=3)
+    other = parameters(l0=12.3, s=0.01, t=0.7, epsilon=2.25, threads=3)
     properties.set_parameters(group, other)
     assert properties.parameters(group) == other
-    assert set(properties.LABELS) >= set(properties.BASIC)
+    assert set(properties.WORDS) == set(part("core.parameters").Parameters.__dataclass_fields__)
     group.t = 0.01
     group.s = 5
     with pytest.raises(part("core.errors").InputError, match="t must not be below s"):
@@ -194,8 +194,8 @@ def waves(bpy, arcs):
 @pytest.mark.parametrize(
     ("stage", "kind"),
     [
-        *((stage, "fault") for stage in ("blast", "voting", "clustering", "orbits", "selection", "completion")),
-        ("clustering", "memory"),
+        *((stage, "fault") for stage in ("blast", "seeding", "growth", "orbits", "selection", "completion")),
+        ("growth", "memory"),
         ("orbits", "stop"),
     ],
 )
@@ -240,7 +240,7 @@ def slow(bpy, part, wall, completion, monkeypatch):
 
     def work(task, report):
         for i in range(2000):
-            report("clustering", i / 2000)
+            report("growth", i / 2000)
             time.sleep(0.005)
         return completion
 

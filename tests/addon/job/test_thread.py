@@ -37,7 +37,7 @@ def test_it_stops_at_the_next_progress(job):
 
     def work(progress):
         while True:
-            progress("voting", 0.1)
+            progress("seeding", 0.1)
             reached.set()
             time.sleep(0.01)
 
