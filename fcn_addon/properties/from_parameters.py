@@ -8,7 +8,8 @@ from math import degrees, inf, radians
 
 from bpy.props import FloatProperty, IntProperty
 
-from ...core.parameters import COUNT, DEGREES
+from ...core.detection.parameters import DEGREES
+from ...core.parameters import COUNT
 
 
 def annotations(of, words, update=None) -> dict:
