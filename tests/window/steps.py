@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Every operator is one step of undo: pairs of them in a real window, with undo and redo, whole states compared.
 
-Runs inside a session that has a result; see `whole_session`.
+Runs inside a session that has a result; see `steps_session`.
 """
 
 import bpy

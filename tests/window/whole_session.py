@@ -13,7 +13,6 @@ import bpy
 
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
-import steps  # noqa: E402
 from driver import EXTENSION, Driver, Redraws  # noqa: E402
 
 EXAMPLE = HERE.parent.parent / "examples" / "facade.obj"
@@ -198,8 +197,6 @@ def correct(driver, item, size):
     press("restore")
     yield 0.3
     assert len(visible()) == size
-    yield from steps.walk(driver)
-    yield from steps.clicks(driver)
 
     name = settings().result.name
     path = str(Path(bpy.app.tempdir) / "saved.blend")
