@@ -13,7 +13,7 @@ from ...core.values import Curves
 from . import incoming
 
 EDGE, NOISE, SEED = 0.05, 0.006, 2018
-STEPS, PLACES = (2.0, 3.2), (3, 2)
+STEPS, PLACES, HEIGHT = (2.0, 3.2), (3, 2), 0.06
 
 
 def add(context):
@@ -26,7 +26,8 @@ def add(context):
     pieces = [piece for line in [*lines, ledge] for piece in damaged(line, rng)]
     pieces += [np.cumsum(rng.normal(scale=0.03, size=(12, 3)), axis=0) + rng.uniform((-1, 0, 0), (5, 0, 6))
                for _ in range(14)]  # fmt: skip
-    curves = incoming.add_curves(context, "Example Curves", Curves.from_list(pieces), EDGE)
+    before = np.array([0, -HEIGHT - 0.01, 0])  # in sight: the rolls of the scan are so high
+    curves = incoming.add_curves(context, "Example Curves", Curves.from_list([p + before for p in pieces]), EDGE)
     return scan, curves
 
 
@@ -62,7 +63,7 @@ def _scan(context, lines):
     grid = np.stack(np.meshgrid(x, z, indexing="ij"), axis=-1).reshape(-1, 2)
     distance, _ = cKDTree(np.concatenate(lines)[:, [0, 2]]).query(grid)
     rng = np.random.default_rng(SEED)
-    height = 0.06 * np.exp(-((distance / 0.06) ** 2)) + rng.normal(scale=NOISE / 4, size=len(grid))
+    height = HEIGHT * np.exp(-((distance / 0.06) ** 2)) + rng.normal(scale=NOISE / 4, size=len(grid))
     index = np.arange(len(grid)).reshape(len(x), len(z))
     quads = np.stack(
         [part.ravel() for part in (index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:])], axis=1
