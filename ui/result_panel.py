@@ -20,7 +20,11 @@ class FCN_UL_transformations(bpy.types.UIList):
         row.prop(item, "kept", text="", icon="CHECKBOX_HLT" if item.kept else "CHECKBOX_DEHLT", emboss=False)
         name = row.row()
         name.active = item.kept
-        name.label(text=item.short, icon=stored.ICONS.get(item.kind, "DOT"), translate=False)
+        name.label(
+            text=f"{item.short}, {counted(item.count, 'place')}",
+            icon=stored.ICONS.get(item.kind, "DOT"),
+            translate=False,
+        )
         share = row.row()
         share.alignment = "RIGHT"
         share.active = item.kept

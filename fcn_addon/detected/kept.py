@@ -111,5 +111,6 @@ class FCN_PG_curves(PropertyGroup):
     )
     applied_fold: FloatProperty()
     applied_length: FloatProperty()
+    detail: FloatProperty(name="Detail", description="The smoothing that was used, in edge lengths of the scan")
     total: IntProperty()
     shown: IntProperty()

@@ -139,6 +139,7 @@ def finish(context, task, made):
     scene.collection.objects.link(item)
     curves = item.fcn_curves
     curves.scan, curves.total, curves.shown = task.label, len(made.found), len(made.found)
+    curves.detail = made.found.detail
     for old in earlier:
         kept.remove(old)
     item.name = f"{task.label} curves"

@@ -62,6 +62,11 @@ def panels(bpy, part):
                 part("ui").FCN_UL_transformations.draw_item(
                     None, bpy.context, layout, root.fcn_result, row, 0, root.fcn_result, "active", i
                 )
+            for cls, rows in (("FCN_UL_templates", "template_rows"), ("FCN_UL_places", "places")):
+                for i, row in enumerate(getattr(root.fcn_result, rows)):
+                    layout = Written(rna, said, buttons)
+                    drawn = getattr(part("ui"), cls).draw_item
+                    drawn(None, bpy.context, layout, root.fcn_result, row, 0, root.fcn_result, "active", i)
         return said, buttons
 
     return draw
@@ -113,7 +118,7 @@ def test_in_edit_mode(panels, bpy, wall):
 
 def test_a_result(panels, bpy, made):
     said, buttons = panels()
-    for text in ("Grid 1: 3 x 2", "Grid 1: 3 x 2, step 1.8 m, 2.4 m", "40%", "6 occurrences, 12 curves",
+    for text in ("Grid 1: 3 x 2, 6 places", "6   50%", "Template A at 3", "Grid 1: 3 x 2, step 1.8 m, 2.4 m", "40%", "6 occurrences, 12 curves",
                  "Reject"):  # fmt: skip
         assert text in said, (text, said)
     assert "4 curves of the result" not in said
