@@ -10,10 +10,9 @@ import numpy as np
 from . import shapes
 from .shapes import OWN
 
-ROUNDS, STIFF, HOLD, ENOUGH = 14, 1e3, 0.03, 0.01
-"""Most steps of Gauss and Newton; the weight of a tangent joint beside that of the samples; of an inner joint's first
-place, a share of a sample's, for what the samples leave open; and the gain of the cost
-that ends the steps."""
+ROUNDS, SOFT, STIFF, HOLD, ENOUGH = 14, 3.0, 1e3, 0.03, 0.01
+"""Most steps of Gauss and Newton; the weight of a tangent joint beside that of the samples, at first and at last; of an
+inner joint's first place, a share of a sample's, for what the samples leave open; the gain that ends the steps."""
 
 
 @dataclass(frozen=True)
@@ -87,17 +86,27 @@ def fit_chain(points, chain: Chain, *, variance, held=None) -> Chain:
     sigma = np.sqrt(variance)
     size = max(float(np.ptp(points, axis=0).max()), 1e-300)
     spacing = max(size / len(points), sigma)
-    free = _free(chain, held)
-    anchor, where = chain.joints, None
+    anchor, where, unexplained = chain.joints, None, None
+    # A stiff joint at once would make the steps tiny: it is first made nearly tangent.
+    for stiff in (SOFT, STIFF) if chain.tangent.any() else (STIFF,):
+        chain, where, unexplained = _descend(
+            lambda c, w, stiff=stiff: _equations(points, c, sigma, size, spacing, anchor, w, stiff),
+            chain, where, _free(chain, held),
+        )  # fmt: skip
+    return replace(chain, unexplained=unexplained)
+
+
+def _descend(equations, chain, where, free):
+    """The chain after the steps, where its samples are on it, and what it leaves unexplained."""
     damping = 1e-6
-    system, gradient, cost, unexplained, where = _equations(points, chain, sigma, size, spacing, anchor, where)
+    system, gradient, cost, unexplained, where = equations(chain, where)
     for _ in range(ROUNDS):
         scale = np.sqrt(np.maximum(np.diag(system), 1e-12 * np.diag(system).max()))[free]
         matrix = system[np.ix_(free, free)] / scale / scale[:, None] + damping * np.eye(len(free))
         step = np.zeros(len(system))
         step[free] = np.linalg.solve(matrix, -gradient[free] / scale) / scale
         moved = _moved(chain, step)
-        found = _equations(points, moved, sigma, size, spacing, anchor, where)
+        found = equations(moved, where)
         if found[2] > cost * (1 + 1e-12):
             damping = max(damping * 30, 1e-4)
             if damping > 1e4:
@@ -108,7 +117,7 @@ def fit_chain(points, chain: Chain, *, variance, held=None) -> Chain:
         system, gradient, cost, unexplained, where = found
         if gain <= ENOUGH:
             break
-    return replace(chain, unexplained=unexplained)
+    return chain, where, unexplained
 
 
 def distances(points, chain: Chain) -> np.ndarray:
@@ -157,7 +166,7 @@ def _moved(chain, step):
     )
 
 
-def _equations(points, chain, sigma, size, spacing, anchor, where):
+def _equations(points, chain, sigma, size, spacing, anchor, where, stiff):
     """Normal equations at a chain: matrix, gradient, half of what is minimised times two, and where samples are."""
     count = 3 * len(chain.joints) + sum(OWN[kind] for kind in chain.kinds)
     system, gradient = np.zeros((count, count)), np.zeros(count)
@@ -186,7 +195,7 @@ def _equations(points, chain, sigma, size, spacing, anchor, where):
     system[own, own] += hold**2
     gradient[own] += hold**2 * off
     cost += ((hold * off) ** 2).sum()
-    cost += _tangency(chain, places, STIFF * size / sigma, system, gradient)
+    cost += _tangency(chain, places, stiff * size / sigma, system, gradient)
     return system, gradient, cost, unexplained, now
 
 

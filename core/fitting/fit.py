@@ -95,6 +95,8 @@ def _draw(samples, blur):
     if samples.closed:
         samples = from_corner(samples, blur)
     circle = fit_circle(samples) if samples.closed and samples.plane else None
+    if circle is not None and _is_plainly_round(samples, circle):
+        return _Drawn(samples, circle=circle)
     samples, chain = describe(samples, blur=blur)
     if circle is not None:
         off = circle_distances(samples.points, circle)
@@ -102,6 +104,13 @@ def _draw(samples, blur):
         if samples.off(off).max() <= samples.bound and (chain is None or price <= cost(samples, chain)):
             return _Drawn(samples, circle=circle)
     return _Drawn(samples, chain)
+
+
+def _is_plainly_round(samples, circle):
+    """Whether a circle leaves no more than noise: nothing is described with less, so nothing else is tried."""
+    off, n = circle_distances(samples.points, circle), len(samples.points) / samples.correlation
+    within = samples.off(off).max() <= samples.bound
+    return within and (off**2).sum() / samples.variance <= n + 3 * np.sqrt(2 * n)
 
 
 def fit_circle(samples: Samples) -> Circle | None:
