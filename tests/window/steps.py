@@ -45,7 +45,6 @@ def difference(a, b):
 WALKS = (
     ("select_occurrence", "reject_occurrence", "restore"),
     ("edit_template", "edit_template", "select_source", "select_result"),
-    ("select_source", "select_result", "make_unique"),
     ("make_unique", "edit_template", "edit_template"),
     ("reject_occurrence", "select_template", "select_source"),
     ("select_template", "delete_occurrence", "select_template"),
@@ -70,26 +69,25 @@ def walk(driver):
         states = [state(driver)]
         for name in names:
             press(driver, name)
-            yield 0.4
+            yield 0.1
             states.append(state(driver))
         yield from back_and_forth(driver, names, states)
 
 
 def back_and_forth(driver, names, states):
-    """Undo to the start, redo to the end, undo again: each state must be one that was there before."""
+    """Undo to the start, redo to the end, undo at once to the start: each state must be one that was there before."""
     for i in reversed(range(len(names))):
         yield from to(driver, states[i], f"undo of {names[i]} in {names}")
     for i in range(1, len(states)):
         yield from to(driver, states[i], f"redo of {names[i - 1]} in {names}", again=True)
-    for i in reversed(range(len(names))):
-        yield from to(driver, states[i], f"second undo of {names[i]} in {names}")
+    yield from to(driver, states[0], f"all undone of {names}", most=2 * len(names))
 
 
-def to(driver, wanted, what, again=False):
+def to(driver, wanted, what, again=False, most=2):
     """One step, or two where edit mode is entered: Blender has a step of its own for that."""
-    for _ in range(2):
+    for _ in range(most):
         undo(driver, again)
-        yield 0.4
+        yield 0.1
         found = difference(wanted, state(driver))
         if not found:
             return

@@ -38,6 +38,7 @@ def session(driver):
     assert root.fcn_result.templates and not bpy.context.scene.fcn.show_source
     driver.picture("first-4-result")
     yield from edited(driver)
+    bpy.data.objects["Example Scan"].hide_set(True)  # without a graphics card it takes long to draw
     yield from steps.walk(driver)
     yield from steps.clicks(driver)
     driver.picture("first-7-end")
