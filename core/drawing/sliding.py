@@ -19,8 +19,9 @@ NEIGHBOURS, SAME, MOVED, MOSTLY, STRAIGHT = 6, 5.0, 4.0, 0.7, 0.97
 """Tolerances: poses around each to which motions are looked at, edge lengths (RMS) within which two motions are one,
 those that a motion must move a point, share of a curve that slides, and cosine of its tangent and its way."""
 
-RUNS_ON = 0.5
-"""Share of what is shown of a curve that must be shown of the way to its image for both to be one."""
+RUNS_ON = 0.33
+"""Share of what is shown of a curve that must be shown of the way to its image for both to be one: about where the odds
+of seen against chance are even."""
 
 
 def relative_motions(poses, points):
@@ -82,10 +83,8 @@ def slides(curves, motions, overlay: Overlay, *, radius):
             ways.append(gap)
             owner.append(c)
     if ways:
-        # The way to the image is not followed by any fit: it may lie a little beside the samples.
         shown = [
-            seen_by(sightings(lines, overlay, radius=2 * radius), overlay)
-            for lines in ([curves[c] for c in owner], ways)
+            seen_by(sightings(lines, overlay, radius=radius), overlay) for lines in ([curves[c] for c in owner], ways)
         ]
         ends = [np.cumsum([0, *map(len, lines)]) for lines in ([curves[c] for c in owner], ways)]
         for k, c in enumerate(owner):

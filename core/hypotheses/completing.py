@@ -7,7 +7,7 @@ import numpy as np
 
 from ..evidence.alignment import align
 from ..evidence.field import Field
-from .growth import ORBIT_POSE, SAME_POSE, accepted
+from .growth import ORBIT_POSE, PROMINENT, SAME_POSE, accepted, prominence
 from .hypothesis import Hypothesis, explained
 
 
@@ -25,4 +25,5 @@ def with_empty_cells(field: Field, thing: Hypothesis, orbit, others) -> Hypothes
     moved = align(field, poses, thing.probe, radii=(4.0, 2.5, 2.0))
     gap = np.linalg.norm(thing.embedded(moved) - thing.embedded(poses), axis=1)
     moved = moved[gap < SAME_POSE]
+    moved = moved[prominence(field, thing, moved, owned) >= PROMINENT]
     return accepted(field, thing, moved, np.full(len(moved), ORBIT_POSE), owned) if len(moved) else thing

@@ -87,23 +87,11 @@ def extended(field: Field, thing: Hypothesis, taken, *, reach) -> Hypothesis | N
     if keep is None:
         return None
     fine, q = fine.take(keep), q[keep]
-    return replace(thing, probe=fine, chance=q, shown=share_shown(field.targets(poses, fine) >= 0))
+    shown = float((field.targets(poses, fine) >= 0).mean())
+    return replace(thing, probe=fine, chance=q, shown=float(np.clip(shown, *SHOWN)))
 
 
-def share_shown(hit):
-    """The share of a thing that an occurrence shows, from hits (k, m) of points that were chosen by these hits.
-
-    A point is there because one pose has it and another shows it: these two say nothing, only the others do.
-    """
-    k, m = hit.shape
-    seen = np.maximum(hit.sum(axis=0) - 2, 0).sum()
-    return float(np.clip((seen + PRIOR * 0.5 * m) / ((max(k - 2, 0) + PRIOR) * m), *SHOWN))
-
-
-PRIOR = 2.0
-"""Poses that the prior of the share that an occurrence shows, one half, is worth."""
-
-SHOWN = 0.4, 0.75
+SHOWN = 0.35, 0.75
 """Bounds of the share that an occurrence shows. Measured on chosen curves it runs upward; below the lower bound anything
 would be explained."""
 

@@ -22,10 +22,6 @@ FREE_POSE, WITNESS, ORBIT_POSE = 25.0, 6.0, 7.0
 """Cost of a pose in nats: six numbers of which each could be anything in the scene; what each other prediction of the
 pose by two others takes off it; and the least, of a pose that an orbit predicts."""
 
-BARE_POSE, POSE_PER_EDGE = 8.0, 0.1
-"""A small thing cannot pay that yet: cost of a pose of a thing without extent, nats (some thousand seeds are asked), and
-how it rises with each edge length of its curves. What is small is judged again when it has grown, and by its E-value."""
-
 PROMINENT = 5.0
 """Log odds by which a pose must beat its own shifts."""
 
@@ -109,20 +105,15 @@ def with_more_poses(field: Field, thing: Hypothesis, seeds: Seeds, taken) -> Hyp
     if not len(order):
         return thing
     poses, witnesses = align(field, poses[order], rough, radii=(4.0, 2.5, 2.0)), witnesses[order]
-    cost = np.maximum(free_pose(thing) - WITNESS * (np.minimum(witnesses, 4) - 1), ORBIT_POSE)
+    cost = np.maximum(FREE_POSE - WITNESS * (np.minimum(witnesses, 4) - 1), ORBIT_POSE)
     score = pose_scores(field, thing, poses, owned, beside=thing.poses)[0]
     good = np.flatnonzero(score > cost)
     poses, cost, score = align(field, poses[good], thing.probe, radii=(2.5, 2.0)), cost[good], score[good]
-    good = np.flatnonzero(_prominence(field, thing, poses, owned) >= PROMINENT)
-    return _accepted(field, thing, poses[good], cost[good], owned)
+    good = np.flatnonzero(prominence(field, thing, poses, owned) >= PROMINENT)
+    return accepted(field, thing, poses[good], cost[good], owned)
 
 
-def free_pose(thing):
-    """Cost of a free pose of a thing: the larger it is, the more it must show."""
-    return min(FREE_POSE, BARE_POSE + POSE_PER_EDGE * SPACING * len(thing.points))
-
-
-def _accepted(field, thing, poses, cost, owned):
+def accepted(field, thing, poses, cost, owned):
     """The thing with those of the poses (k, 4, 4) that pay, the best first, each sample explained once."""
     known, scores, costs = [thing.poses], [thing.scores], [thing.cost]
     alive = np.ones(len(poses), bool)
@@ -142,7 +133,7 @@ def _accepted(field, thing, poses, cost, owned):
     return replace(thing, poses=np.concatenate(known), scores=np.concatenate(scores), cost=np.concatenate(costs))
 
 
-def _prominence(field, thing, poses, owned):
+def prominence(field, thing, poses, owned):
     """(k,) float64, by how much poses (k, 4, 4) beat their own shifts."""
     wrong = decoys(poses, thing.points.mean(axis=0), thing.tangents)[:, :SHIFTS]
     score = pose_scores(field, thing, poses, owned)[0]

@@ -8,9 +8,8 @@ from dataclasses import replace
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..evidence.alignment import align
+from ..evidence.alignment import align, turned
 from ..evidence.field import Field
-from ..evidence.screws import turned
 from ..geometry.motions import best_rotation, inverse, motion
 from .hypothesis import Hypothesis, distinct
 
