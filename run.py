@@ -12,6 +12,7 @@ import os
 import shutil
 import sys
 import sysconfig
+import types
 import zipfile
 from pathlib import Path
 
@@ -114,8 +115,20 @@ def _unpack(wheel):
     return target
 
 
+def help_alone():
+    """Print the help where numpy is missing: only the modules that hold the arguments are loaded, not their rooms."""
+    package = load_package()
+    for room in ("core", "core.detection"):
+        bare = sys.modules[f"{package}.{room}"] = types.ModuleType(f"{package}.{room}")
+        bare.__path__ = [str(ROOT.joinpath(*room.split(".")))]
+    importlib.import_module(f"{package}.fcn_addon.command.arguments").parser("run.py").print_help()
+    return 0
+
+
 def main():
     """Run and return the exit code."""
+    if not importlib.util.find_spec("numpy") and {"-h", "--help"} & set(arguments()):
+        return help_alone()
     for name, remedy in (("numpy", "`pip install numpy scipy` gets both"),):
         if not importlib.util.find_spec(name):
             print(f"error: {name} is missing: {remedy}", file=sys.stderr)

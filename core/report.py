@@ -7,6 +7,7 @@ from dataclasses import asdict
 
 import numpy as np
 
+from .fitting import FittedCompletion, fit_completion
 from .parameters import Parameters
 from .stages import STAGES
 from .values import Completion, Curves, InputClasses
@@ -15,8 +16,16 @@ SCHEMA = "fcn-report/1"
 
 
 def report(
-    completion: Completion, curves: Curves, *, version, parameters: Parameters, count=None, shares=None, seconds=None
-):  # fmt: skip
+    completion: Completion,
+    curves: Curves,
+    *,
+    version: str,
+    parameters: Parameters,
+    fitted: FittedCompletion | None = None,
+    count=None,
+    shares=None,
+    seconds=None,
+):
     """The report as a dict of plain Python values.
 
     Parameters
@@ -24,12 +33,14 @@ def report(
     curves : what was completed; its `source` relates the classes to the input curves
     version : of this program
     parameters : what it was run with
+    fitted : the completed curves as primitives; made here if None
     count : number of input curves, where the last of them left no curve; from `curves.source` if None
     shares : of the reading, where input curves were joined; from `curves.source` if None
     seconds : more times, of what is done outside the method ("read", "detect", "write")
     """
     count = int(curves.source.max(initial=-1)) + 1 if count is None else count
     times = {**dict.fromkeys(("read", "detect", *STAGES, "write"), 0.0), **completion.seconds, **(seconds or {})}
+    fitted = fit_completion(completion, curves, smoothing=parameters.smoothing) if fitted is None else fitted
     work = {name: int(value) for name, value in completion.work.items()}
     return {
         "schema": SCHEMA,
@@ -38,13 +49,14 @@ def report(
             "curves": count,
             "samples": len(curves.points),
             "edge_length": float(completion.edge_length),
+            "noise": float(fitted.sigma),
         },
         "parameters": asdict(parameters),
         "seconds": {name: float(value) for name, value in times.items()},
         "work": work,
         "transformations": [_transformation(t) for t in completion.transformations],
         "templates": [_template(t) for t in completion.templates],
-        "curves": [*_template_curves(completion.templates), *_strong_curves(completion.strong)],
+        "curves": [*_template_curves(completion.templates, fitted), *_strong_curves(completion.strong, fitted)],
         "inputs": _inputs(classes_of_inputs(completion.inputs, curves, count, shares)),
     }
 
@@ -107,10 +119,10 @@ def _template(t) -> dict:
     }
 
 
-def _template_curves(templates):
-    for t in templates:
+def _template_curves(templates, fitted):
+    for t, drawn in zip(templates, fitted.templates):
         for occurrence, motion in enumerate(t.occurrences):
-            for curve, support in zip(t.curves, t.evidence[occurrence]):
+            for curve, support, fit in zip(t.curves, t.evidence[occurrence], drawn):
                 yield {
                     "points": moved(curve.points, motion).tolist(),
                     "closed": bool(curve.closed),
@@ -119,11 +131,13 @@ def _template_curves(templates):
                     "component": _label(curve.component),
                     "occurrence": occurrence,
                     "support": float(support),
+                    "primitives": [primitive(p.moved(motion)) for p in fit.primitives],
+                    "deviation": fit.deviation,
                 }
 
 
-def _strong_curves(curves):
-    for curve in curves:
+def _strong_curves(curves, fitted):
+    for curve, fit in zip(curves, fitted.strong):
         yield {
             "points": np.asarray(curve.points, float).tolist(),
             "closed": bool(curve.closed),
@@ -132,7 +146,20 @@ def _strong_curves(curves):
             "component": None,
             "occurrence": None,
             "support": float(curve.support),
+            "primitives": [primitive(p) for p in fit.primitives],
+            "deviation": fit.deviation,
         }
+
+
+def primitive(p) -> dict:
+    """A line, arc, circle or Bezier segment as plain values."""
+    names = {
+        "line": ("start", "end"),
+        "arc": ("start", "middle", "end", "centre", "normal", "radius", "angle"),
+        "circle": ("centre", "normal", "radius", "start"),
+        "bezier": ("start", "first", "second", "end"),
+    }
+    return {"type": p.kind, **{name: np.asarray(getattr(p, name), float).tolist() for name in names[p.kind]}}
 
 
 def _inputs(classes):

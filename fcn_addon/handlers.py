@@ -8,7 +8,7 @@ from bpy.app.handlers import persistent
 
 from .detected import kept
 from .job import session, summary
-from .properties import changes
+from .properties import changes, preferences
 
 
 @persistent
@@ -19,8 +19,11 @@ def _before_load(*_):
 
 
 @persistent
-def _after_load(*_):
+def _after_load(path, *_):
     summary.changed()
+    if not bpy.data.filepath:  # a new file
+        for scene in bpy.data.scenes:
+            preferences.begin(scene)
 
 
 @persistent

@@ -8,7 +8,14 @@ from importlib import import_module
 import bpy
 
 # Each has register() and unregister(); the order is that of the imports.
-ROOMS = ("fcn_addon.command.subcommand", "fcn_addon.properties.settings", "operators", "ui", "fcn_addon.handlers")
+ROOMS = (
+    "fcn_addon.command.subcommand",
+    "fcn_addon.properties.settings",
+    "operators",
+    "ui",
+    "fcn_addon.handlers",
+    "fcn_addon.scene.focus",
+)
 
 _registered = []  # what Blender holds of ours at the moment, and nothing else
 

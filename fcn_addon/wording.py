@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Names of transformations for people: "Grid 1: 5 x 3, step 1.80 m, 2.40 m", "Rotation 1: 20 x 18°"."""
+"""Names of transformations for people: "Grid 1: 5 x 3, step 1.80 m, 2.40 m", "Ring 1: 20 x 18°"."""
 
 from __future__ import annotations
 
@@ -7,12 +7,27 @@ import math
 
 import numpy as np
 
-KINDS = {"single": "Pair", "translation": "Row", "grid": "Grid", "rotation": "Rotation", "screw": "Screw"}
+KINDS = {"single": "Pair", "translation": "Row", "grid": "Grid", "rotation": "Ring", "screw": "Spiral"}
 
 
 def plain_length(value) -> str:
     """A length without a unit."""
     return f"{value:.4g}"
+
+
+def counted(count, thing) -> str:
+    """A number of things: "1 occurrence", "8 occurrences"."""
+    return f"{count:,} {thing}" if count == 1 else f"{count:,} {thing}s"
+
+
+def letters(number) -> str:
+    """A, B, ... Z, AA, AB, ... for 0, 1, ..."""
+    text = ""
+    number += 1
+    while number:
+        number, rest = divmod(number - 1, 26)
+        text = chr(ord("A") + rest) + text
+    return text
 
 
 def titles(transformations, length=plain_length) -> dict[int, str]:

@@ -88,6 +88,17 @@ class Background(Polled):
         return self._finished(made)
 
 
+def enter_edit_mode(label):
+    """Go into edit mode, as a step of undo of its own after one that holds what was done before.
+
+    In edit mode Blender's steps of undo hold the edited data alone; without a whole one before it, a view or a
+    selection that was changed on the way would never be taken back.
+    """
+    if not bpy.app.background:
+        bpy.ops.ed.undo_push(message=label)
+    bpy.ops.object.mode_set(mode="EDIT")
+
+
 class OnOccurrence(Polled):
     """Needs a selected curve of an occurrence, in object mode; says so where there is none."""
 

@@ -59,8 +59,9 @@ BRIDGE = {
     "scene": set(),
     "reading": {"scene"},
     "detected": {"scene"},
-    "result": {"scene", "reading"},
+    "result": {"scene", "reading", "detected"},
     "properties": {"detected", "result"},
+    "exchange": {"scene", "detected", "result"},
     "command": {"scene", "reading", "detected", "result"},
     "job": {"scene", "reading", "detected", "result", "properties"},
 }

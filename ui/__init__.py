@@ -8,11 +8,18 @@ from pathlib import Path
 import bpy
 
 from ..fcn_addon.registration import register_classes, unregister_classes
-from . import menu, overlay
+from . import keymap, menu, overlay
 from .complete_panel import FCN_PT_advanced, FCN_PT_complete, FCN_PT_parameters
 from .detect_panel import FCN_PT_detect, FCN_PT_detect_more
 from .presets_panel import FCN_PT_presets
-from .result_panel import FCN_PT_occurrence, FCN_PT_result, FCN_UL_transformations
+from .result_panel import (
+    FCN_PT_occurrence,
+    FCN_PT_result,
+    FCN_PT_transformations,
+    FCN_UL_places,
+    FCN_UL_templates,
+    FCN_UL_transformations,
+)
 
 CLASSES = (
     FCN_PT_presets,
@@ -22,8 +29,11 @@ CLASSES = (
     FCN_PT_parameters,
     FCN_PT_advanced,
     FCN_UL_transformations,
+    FCN_UL_templates,
+    FCN_UL_places,
     FCN_PT_result,
     FCN_PT_occurrence,
+    FCN_PT_transformations,
     menu.FCN_MT_object,
 )
 HERE = str(Path(__file__).resolve().parent)  # Blender looks for presets/fcn_addon in it
@@ -34,8 +44,10 @@ def register():
     try:
         menu.register()
         overlay.register()
+        keymap.register()
         bpy.utils.register_preset_path(HERE)
     except BaseException:
+        keymap.unregister()
         overlay.unregister()
         menu.unregister()
         unregister_classes(CLASSES)
@@ -44,6 +56,7 @@ def register():
 
 def unregister():
     bpy.utils.unregister_preset_path(HERE)
+    keymap.unregister()
     overlay.unregister()
     menu.unregister()
     unregister_classes(CLASSES)

@@ -3,13 +3,17 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
+
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
+from ..core.parameters import Parameters
 from ..fcn_addon.job import session, summary
 from ..fcn_addon.job.estimate import Summary
-from ..fcn_addon.properties.settings import BASIC, LABELS, in_edges
+from ..fcn_addon.properties.settings import BASIC, in_edges
 from ..fcn_addon.reading.reader import evaluated_faces
+from ..fcn_addon.result import stored
 from ..fcn_addon.scene.units import unit_length
 from ..fcn_addon.wording import duration
 from .presets_panel import FCN_PT_presets
@@ -28,22 +32,48 @@ class FCN_PT_complete(Sidebar, bpy.types.Panel):
             _draw_run(layout, run)
             return
         settings = context.scene.fcn
-        _draw_way_back(layout, context)
-        _draw_source(layout, context, settings)
-        _draw_summary(layout.box(), context)
-        layout.prop(settings, "earlier", expand=True)
-        button = layout.row()
-        button.scale_y = 1.6
-        button.operator("fcn.complete", icon="CURVE_DATA")
+        row = layout.row()
+        row.use_property_split = False
+        row.alignment = "LEFT"
+        row.prop(
+            settings, "show_source", emboss=False, text=_hint(context), icon="DOWNARROW_HLT" if settings.show_source
+            else "RIGHTARROW",
+        )  # fmt: skip
+        if settings.show_source:
+            _draw_source(layout, context, settings)
+            _draw_summary(layout.box(), context)
+            layout.prop(settings, "form")
+            layout.prop(settings, "earlier", expand=True)
+        _draw_button(layout, context)
 
 
-def _draw_way_back(layout, context):
-    """In edit mode: the button that ends what a button began."""
+def _hint(context):
+    """What to do next, in a line."""
+    if context.mode != "OBJECT":
+        return "Editing: Tab goes back"
+    why = summary.latest()
+    if stored.active(context.scene) is not None:
+        return "Settings of the next run"
+    if isinstance(why, Summary):
+        return "Press Complete Curves"
+    return "Select curves, or import some" if why else "What to complete"
+
+
+def _draw_button(layout, context):
+    """The one large button: it completes; in edit mode it ends what a button began, in the same place."""
     item = context.active_object
+    button = layout.row()
+    button.scale_y = 1.6
     if context.mode == "EDIT_CURVE" and item.get("occurrence", -1) >= 0:
-        layout.operator("fcn.edit_template", text="Finish Editing", icon="CHECKMARK")
+        button.operator("fcn.edit_template", text="Finish Editing", icon="CHECKMARK")
     elif context.mode == "EDIT_MESH" and "source" in item.data.attributes:
-        layout.operator("fcn.select_result", icon="FORWARD")
+        button.operator("fcn.select_result", icon="FORWARD")
+    else:
+        button.operator("fcn.complete", icon="CURVE_DATA")
+        if stored.active(context.scene) is None and not isinstance(summary.latest(), Summary):
+            row = layout.row(align=True)
+            row.operator("fcn.import_curves", text="Import", icon="IMPORT")
+            row.operator("fcn.try_example", icon="LIGHT")
 
 
 def _has_faces(context):
@@ -72,7 +102,9 @@ def _draw_summary(box, context):
     if not isinstance(found, Summary):
         row = box.row()
         row.label(text=found or "Press Measure to count the curves", icon="INFO")
-        row.operator("fcn.measure", text="", icon="FILE_REFRESH")
+        row.operator("fcn.measure", text="", icon="FILE_REFRESH", emboss=False)
+        for _ in range(3):  # as many rows as when something is chosen: what lies below stays where it is
+            box.column(align=True).label(text="")
         return
     column = box.column(align=True)
     row = column.row()
@@ -131,7 +163,7 @@ class FCN_PT_advanced(Sidebar, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):
-        names = [n for n in LABELS if n not in BASIC]
+        names = [field.name for field in fields(Parameters) if field.name not in BASIC]
         _draw_parameters(self.layout, context, names)
 
 
@@ -150,6 +182,6 @@ def _draw_parameters(layout, context, names):
             known = isinstance(found, Summary)
             text = words(getattr(group, name) * found.edge_length) if known else iface_("edges")
             side = row.row()
-            side.ui_units_x = 3
+            side.ui_units_x = 4
             side.active = False
             side.label(text=text, translate=False)

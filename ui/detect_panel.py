@@ -68,6 +68,9 @@ def _draw_thresholds(layout, item):
     box, curves = layout.box(), item.fcn_curves
     text = iface_("{shown:,} of {total:,} curves").format(shown=curves.shown, total=curves.total)
     box.label(text=text, icon="CURVE_DATA", translate=False)
+    if curves.detail:
+        text = iface_("Detail {detail:.1f} edge lengths").format(detail=curves.detail)
+        box.label(text=text, icon="BLANK1", translate=False)
     if curves.remarks:
         box.label(text=curves.remarks, icon="ERROR", translate=False)
     column = box.column()

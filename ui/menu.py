@@ -11,6 +11,7 @@ ENTRIES = (
     "fcn.complete",
     "fcn.cancel",
     None,
+    "fcn.select_template",
     "fcn.select_transformation",
     "fcn.select_occurrence",
     "fcn.select_source",
@@ -24,7 +25,11 @@ ENTRIES = (
     "fcn.make_unique",
     "fcn.edit_template",
     "fcn.apply",
+    "fcn.export_curves",
     "fcn.remove_result",
+    None,
+    "fcn.import_curves",
+    "fcn.try_example",
 )
 
 
@@ -45,9 +50,37 @@ def _draw(self, context):
     self.layout.menu(FCN_MT_object.bl_idname)
 
 
+def _draw_editing(self, context):
+    """What makes sense in edit mode: to go back."""
+    self.layout.separator()
+    self.layout.operator("fcn.edit_template", text="Finish Editing Template")
+    self.layout.operator("fcn.select_result")
+
+
+def _draw_import(self, context):
+    self.layout.operator("fcn.import_curves", text="Feature Curves (.txt, .obj, .ply)")
+
+
+def _draw_export(self, context):
+    self.layout.operator("fcn.export_curves", text="Feature Curves (.obj, .csv)")
+
+
+PLACES = (
+    ("VIEW3D_MT_object", _draw),
+    ("VIEW3D_MT_object_context_menu", _draw),
+    ("VIEW3D_MT_edit_curve", _draw_editing),
+    ("VIEW3D_MT_edit_curve_context_menu", _draw_editing),
+    ("VIEW3D_MT_edit_mesh", _draw_editing),
+    ("TOPBAR_MT_file_import", _draw_import),
+    ("TOPBAR_MT_file_export", _draw_export),
+)
+
+
 def register():
-    bpy.types.VIEW3D_MT_object.append(_draw)
+    for name, draw in PLACES:
+        getattr(bpy.types, name).append(draw)
 
 
 def unregister():
-    bpy.types.VIEW3D_MT_object.remove(_draw)
+    for name, draw in PLACES:
+        getattr(bpy.types, name).remove(draw)

@@ -12,6 +12,7 @@ from mathutils import Matrix
 from ..fcn_addon.result import strokes
 
 WIDTH = 2.0  # pixels, on a screen of usual density
+FAINT = 0.3  # of their strength, while a template is edited
 NEARER = 5e-4  # of the depth of the view
 
 _handle = None
@@ -37,6 +38,8 @@ def _draw():
     if (scene, pointer) not in _batches:
         segments, colours, known = strokes.collect(context, space)
         _known.update(known)
+        if context.mode != "OBJECT":
+            colours[:, 3] *= FAINT
         _batches[scene, pointer] = _upload(segments, colours) if len(segments) else None
     batch = _batches[scene, pointer]
     if batch is not None:
@@ -48,11 +51,13 @@ def _draw_batch(batch, width):
     shader.uniform_float("viewportSize", gpu.state.viewport_get()[2:])
     shader.uniform_float("lineWidth", width)
     gpu.state.depth_test_set("LESS_EQUAL")
+    gpu.state.blend_set("ALPHA")
     with gpu.matrix.push_pop_projection():
         # A little nearer than the black lines that Blender draws in the same place.
         nearer = Matrix.Translation((0.0, 0.0, -NEARER)) @ gpu.matrix.get_projection_matrix()
         gpu.matrix.load_projection_matrix(nearer)
         batch.draw(shader)
+    gpu.state.blend_set("NONE")
     gpu.state.depth_test_set("NONE")
 
 

@@ -9,6 +9,7 @@ from bpy.app.translations import pgettext_iface as iface_
 from ..fcn_addon.job import session
 from ..fcn_addon.result import stored
 from ..fcn_addon.scene import origin
+from ..fcn_addon.wording import counted
 from .sidebar import Sidebar
 
 
@@ -20,12 +21,48 @@ class FCN_UL_transformations(bpy.types.UIList):
         row.prop(item, "kept", text="", icon="CHECKBOX_HLT" if item.kept else "CHECKBOX_DEHLT", emboss=False)
         name = row.row()
         name.active = item.kept
-        name.label(text=item.short, icon=stored.ICONS.get(item.kind, "DOT"), translate=False)
+        name.label(
+            text=f"{item.short}, {counted(item.count, 'place')}",
+            icon=stored.ICONS.get(item.kind, "DOT"),
+            translate=False,
+        )
         share = row.row()
         share.alignment = "RIGHT"
         share.active = item.kept
         share.label(text=f"{item.support:.0%}", translate=False)
         row.operator("fcn.select_transformation", text="", icon="RESTRICT_SELECT_OFF", emboss=False).index = index
+
+
+class FCN_UL_templates(bpy.types.UIList):
+    bl_idname = "FCN_UL_templates"
+
+    def draw_item(self, context, layout, data, item, icon, active_data, active_property, index):
+        row = layout.row(align=True)
+        row.prop(item, "shown", text="", icon="HIDE_OFF" if item.shown else "HIDE_ON", emboss=False)
+        colour = row.row()
+        colour.ui_units_x = 0.8
+        colour.prop(item, "colour", text="")
+        row.prop(item, "name", text="", emboss=False)
+        numbers = row.row()
+        numbers.alignment = "RIGHT"
+        numbers.label(text=f"{item.count:,}   {item.support:.0%}", translate=False)
+        row.operator("fcn.select_template", text="", icon="RESTRICT_SELECT_OFF", emboss=False).index = index
+
+
+class FCN_UL_places(bpy.types.UIList):
+    bl_idname = "FCN_UL_places"
+
+    def draw_item(self, context, layout, data, item, icon, active_data, active_property, index):
+        row = layout.row(align=True)
+        row.prop(item, "kept", text="", icon="CHECKBOX_HLT" if item.kept else "CHECKBOX_DEHLT", emboss=False)
+        name = row.row()
+        name.active = item.kept
+        name.label(text=item.name, translate=False)
+        share = row.row()
+        share.alignment = "RIGHT"
+        share.label(text=f"{item.support:.0%}", translate=False)
+        button = row.operator("fcn.select_template", text="", icon="RESTRICT_SELECT_OFF", emboss=False)
+        button.index, button.place = -1, index
 
 
 class FCN_PT_result(Sidebar, bpy.types.Panel):
@@ -51,29 +88,53 @@ class FCN_PT_result(Sidebar, bpy.types.Panel):
         for view in ("RESULT", "COMPONENTS", "TEMPLATES", "INPUT"):
             views.prop_enum(result, "view", view)
         layout.prop(result, "support", text="Hide Below Support", slider=True)
-        layout.template_list(FCN_UL_transformations.bl_idname, "", result, "transformations", result, "active", rows=4)
-        _draw_transformation(layout, stored.active_transformation(context.scene))
+        row = layout.row()
+        row.template_list(FCN_UL_templates.bl_idname, "", result, "template_rows", result, "active_template", rows=4)
+        side = row.column(align=True)
+        side.prop(result, "solo", text="", icon="SOLO_ON" if result.solo else "SOLO_OFF")
+        side.operator("fcn.restore", text="", icon="LOOP_BACK")
+        layout.template_list(FCN_UL_places.bl_idname, "", result, "places", result, "active_place", rows=3)
         layout.operator_menu_enum("fcn.apply", "kind", icon="OUTLINER_OB_CURVE")
         layout.prop(result, "attributes")
+        layout.prop(result, "scan_locked")
+
+
+class FCN_PT_transformations(Sidebar, bpy.types.Panel):
+    bl_label = "How It Repeats"
+    bl_parent_id = "FCN_PT_result"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        return stored.active(context.scene) is not None
+
+    def draw(self, context):
+        layout = self.layout
+        layout.enabled = not session.running()
+        result = stored.active(context.scene).fcn_result
+        layout.template_list(FCN_UL_transformations.bl_idname, "", result, "transformations", result, "active", rows=4)
+        _draw_transformation(layout, stored.active_transformation(context.scene))
 
 
 def _draw_transformation(layout, row):
-    """The numbers of the active row."""
-    if row is None:
-        layout.label(text="No transformation was found", icon="INFO")
-        return
+    """The numbers of the active row; as many rows where there is none."""
     column = layout.box().column(align=True)
-    column.label(text=row.name, translate=False)
-    counts = iface_("{occurrences:,} occurrences, {curves:,} curves")
-    column.label(text=counts.format(occurrences=row.count, curves=row.curves), translate=False)
-    trust = iface_("Support {support:.1%}, log Bayes factor {factor:,.0f}")
-    column.label(text=trust.format(support=row.support, factor=row.log_bayes_factor), translate=False)
+    for text in _said(row):
+        column.label(text=text, translate=False)
     buttons = layout.row(align=True)
     buttons.operator("fcn.select_transformation", text="Select", icon="RESTRICT_SELECT_OFF").index = -1
-    buttons.operator(
-        "fcn.reject_transformation", text="Reject" if row.kept else "Keep", icon="X" if row.kept else "CHECKMARK"
+    kept = row is None or row.kept
+    buttons.operator("fcn.reject_transformation", text="Reject" if kept else "Keep", icon="X" if kept else "CHECKMARK")
+
+
+def _said(row):
+    if row is None:
+        return iface_("Nothing repeats here"), "", ""
+    return (
+        row.name,
+        f"{counted(row.count, 'occurrence')}, {counted(row.curves, 'curve')}",
+        iface_("Explains {support:.0%} of all curves").format(support=row.support),
     )
-    buttons.operator("fcn.restore", text="", icon="LOOP_BACK")
 
 
 class FCN_PT_occurrence(Sidebar, bpy.types.Panel):
@@ -84,17 +145,16 @@ class FCN_PT_occurrence(Sidebar, bpy.types.Panel):
         layout = self.layout
         layout.enabled = not session.running()
         item = context.active_object
+        text = iface_("No curve of an occurrence is active")
         if item is not None and item.get("occurrence", -1) >= 0:
-            if "support" in item:
-                text = iface_("Template {template} at {occurrence}, support {support:.0%}")
-            else:
-                text = iface_("Template {template} at {occurrence}")
-            layout.label(text=text.format(**item), translate=False)
+            text = item.name if "support" not in item else f"{item.name}: {item['support']:.0%}"
+        layout.label(text=text, translate=False)
         column = layout.column(align=True)
         column.operator("fcn.select_occurrence", icon="RESTRICT_SELECT_OFF")
         column.operator("fcn.select_source", icon="BACK")
         column.operator("fcn.select_result", icon="FORWARD")
         column = layout.column(align=True)
+        column.prop(context.scene.fcn, "edit_alone")
         editing = context.mode != "OBJECT"
         column.operator("fcn.edit_template", text="Finish Editing" if editing else "Edit Template", icon="EDITMODE_HLT")
         column.operator("fcn.make_unique", icon="UNLINKED")

@@ -113,5 +113,6 @@ class FCN_PG_curves(PropertyGroup):
     applied_fold: FloatProperty()
     applied_length: FloatProperty()
     remarks: StringProperty(name="Remarks", description="What is to be said of the scan")
+    detail: FloatProperty(name="Detail", description="The smoothing that was used, in edge lengths of the scan")
     total: IntProperty()
     shown: IntProperty()

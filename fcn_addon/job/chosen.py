@@ -127,4 +127,21 @@ def edge_length(context, depsgraph):
         return float(f"{settings.edge_length:.6g}")
     if settings.edge_length_from == "SCAN":
         return mean_edge_length(scan(context), depsgraph)
-    return None
+    return _of_result(context)
+
+
+def _of_result(context):
+    """The edge length of the run that all chosen objects were made in, None where that is not one run.
+
+    A repeated run takes what its own objects know, or estimates it as it did before.
+    """
+    if is_again(context):
+        return None
+    found = {_run_of(context.scene, item) for item in chosen(context)}
+    root = found.pop() if len(found) == 1 else None
+    return root.fcn_result.edge_length if root is not None else None
+
+
+def _run_of(scene, item):
+    """The result that an object belongs to, None if it is of none."""
+    return next((root for root in stored.of_scene(scene) if item.name in root.all_objects), None)

@@ -14,12 +14,13 @@ from ...core.errors import InputError
 from ...core.files.reading import WELD, Reading
 from ...core.parameters import Parameters
 from .. import progress
+from ..detected import scan_lock
 from ..installation import require_scipy
 from ..properties.settings import parameters
 from ..reading import reader
 from ..reading.left_out import LeftOut
 from ..reading.visibility import shown
-from ..result import stored, views, writer
+from ..result import stored, templates, views, writer
 from ..scene import origin
 from ..scene.identity import Identity
 from ..scene.units import unit_length
@@ -104,8 +105,20 @@ def _work(task, report):
     return complete(task.reading.curves, edge_length=task.edge_length, parameters=task.parameters, progress=report)
 
 
-def finish(context, task, completion):
-    """Put a completion into the scene; the result's collection.
+def _work_and_fit(task, report):
+    completion = _work(task, report)
+    return completion, _fitted(task, completion)
+
+
+def _fitted(task, completion):
+    """The curves of a completion as primitives; this runs in the thread."""
+    from ...core.fitting import fit_completion
+
+    return fit_completion(completion, task.reading.curves, smoothing=task.parameters.smoothing)
+
+
+def finish(context, task, completion, fitted=None):
+    """Put a completion into the scene; the result's collection. The primitives are made here if they were not before.
 
     Raises InputError where the source has gone. On any fault nothing is left behind.
     """
@@ -116,9 +129,15 @@ def finish(context, task, completion):
     scene = task.scene.find(bpy.data.scenes)
     earlier = [r for r in stored.of_scene(scene) if task.replace and r.fcn_result.source == task.label]
     length = unit_length(scene)
-    root = writer.write(completion, task.reading.curves, source=task.label, scene=scene, length=length)
+    form = scene.fcn.form
+    fitted = _fitted(task, completion) if form == "HANDLES" and fitted is None else fitted
+    names = templates.kept_names(earlier, completion)
+    root = writer.write(
+        completion, task.reading.curves, source=task.label, scene=scene, length=length, fitted=fitted, form=form,
+        names=names,
+    )  # fmt: skip
     try:
-        stored.describe(root, completion, task, length)
+        stored.describe(root, completion, task, length, names)
         origin.keep(root, origin.of(scene))
         views.refresh(root)
     except BaseException:
@@ -126,8 +145,13 @@ def finish(context, task, completion):
         raise
     for old in earlier:
         stored.remove(old)
+    if earlier:
+        templates.settle_names(root)
+    sources = [source.find(bpy.data.objects) for source in task.sources]
+    scan_lock.lock(root, scan_lock.scans_of(sources, scene.fcn))
     root.name = f"FCN {task.label}"[:63]
     scene.fcn.result = root
+    scene.fcn.show_source = False
     _hide(context, scene, task)
     return root
 
@@ -157,8 +181,8 @@ def missing(task) -> str | None:
 COMPLETE = RunKind(
     take,
     _seconds,
-    lambda task, report: _work(task, report),
-    finish,
+    lambda task, report: _work_and_fit(task, report),
+    lambda context, task, made: finish(context, task, *made),
     progress.SHARES,
     lambda task: replace(task, parameters=leaving_room(task.parameters)),
 )

@@ -146,6 +146,7 @@ def finish(context, task, made):
     curves = item.fcn_curves
     curves.scan, curves.total, curves.shown = task.label, len(made.found), len(made.found)
     curves.remarks = "; ".join(made.remarks)
+    curves.detail = made.found.detail
     for old in earlier:
         kept.remove(old)
     item.name = f"{task.label} curves"

@@ -13,6 +13,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 
 from ...core.errors import Cancelled, InputError
 from .. import progress
+from ..wording import duration
 from .thread import Job
 
 PATIENCE = 5.0  # seconds to wait for a thread that was asked to stop
@@ -94,6 +95,7 @@ def begin(context, kind) -> Run:
 
     _run = Run(kind, task, Job(work), ahead)
     _run.job.start()
+    context.window_manager.progress_begin(0, 100)
     return _run
 
 
@@ -114,7 +116,19 @@ def tick() -> bool:
         _run.progress.update(stage, fraction, now)
     shown = (_run.job.stopping, _run.progress.label, round(_run.progress.fraction, 2), round(_run.progress.left(now)))
     changed, _run.shown = shown != _run.shown, shown
+    if changed:
+        _say(shown)
     return changed
+
+
+def _say(shown):
+    """The progress in the status bar and at the mouse, for those who have the sidebar closed."""
+    stopping, label, fraction, left = shown
+    text = rpt_("Feature Curves: {label}, {share:.0%}, {time} left. Esc over the viewport cancels")
+    text = text.format(label=label, share=fraction, time=duration(left))
+    bpy.context.window_manager.progress_update(round(100 * fraction))
+    for window in bpy.context.window_manager.windows:
+        window.workspace.status_text_set(rpt_("Feature Curves: stopping") if stopping else text)
 
 
 def outcome(run):
@@ -160,6 +174,9 @@ def end(context=None):
 def _forget(context):
     global _run
     run, _run = _run, None
+    context.window_manager.progress_end()
+    for window in context.window_manager.windows:
+        window.workspace.status_text_set(None)
     if run.timer is not None:
         timer, run.timer = run.timer, None
         context.window_manager.event_timer_remove(timer)

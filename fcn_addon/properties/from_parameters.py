@@ -12,17 +12,17 @@ from ...core.detection.parameters import DEGREES
 from ...core.parameters import COUNT
 
 
-def properties_of(of, labels, update=None) -> dict:
+def properties_of(of, words, update=None) -> dict:
     """A property for each field, with its default, bounds and words.
 
-    labels : field name -> its name in the interface, where it is not that of the field
+    words : field name -> its name in the interface and what it does, where these are not those of the field
     """
-    return {field.name: _property(field, labels, update) for field in fields(of)}
+    return {field.name: _property(field, words, update) for field in fields(of)}
 
 
-def _property(field, labels, update):
-    text, low, high = field.metadata["help"], field.metadata["low"], field.metadata["high"]
-    name = labels.get(field.name, field.name.replace("_", " ").title())
+def _property(field, words, update):
+    low, high = field.metadata["low"], field.metadata["high"]
+    name, text = words.get(field.name, (field.name.replace("_", " ").title(), field.metadata["help"]))
     common = {"name": name, "description": text[:1].upper() + text[1:], "update": update}
     if field.metadata["unit"] == COUNT:
         high = {} if high == inf else {"max": int(high)}

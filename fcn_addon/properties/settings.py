@@ -12,29 +12,45 @@ from bpy.types import PropertyGroup
 from ...core.parameters import EDGES, Parameters
 from ..detected.kept import FCN_PG_curves
 from ..registration import register_classes, unregister_classes
-from ..result import stored
+from ..result import stored, templates, writer
 from . import changes, from_parameters
 from .detection import FCN_PG_detection
+from .preferences import FCN_AP_preferences
 
-LABELS = {
-    "l0": "Shortest Match",
-    "short_l0": "Shortest Second Match",
-    "s": "Match Distance",
-    "t": "Extended Distance",
-    "delta_l": "Extension Step",
-    "strong_curvature": "Strong Curvature",
-    "bayes_ratio": "Bayes Ratio",
-    "keep_odds": "Keep Odds",
-    "smoothing": "Smoothing",
-    "link_gap": "Largest Gap",
-    "epsilon": "Feature Radius",
-    "thing_margin": "Search Margin",
-    "thing_gap": "Gap Within Things",
-    "significance": "Significance",
-    "block": "Block Size",
-    "threads": "Threads",
+WORDS = {
+    "l0": ("Shortest Match", "Shortest stretch over which two curves must run alike to be taken for the same"),
+    "short_l0": ("Short Match", "The same for a second search, which finds what short pieces show"),
+    "s": ("Match Distance", "How far apart two curves that run alike may be on average"),
+    "t": ("Extended Distance", "The same while a match is followed on. It is never less than Match Distance"),
+    "delta_l": ("Extension Step", "How far a match is followed on at a time"),
+    "strong_curvature": (
+        "Strong Curvature",
+        "Curves sharper than this share of the average are matched; 0 matches all",
+    ),
+    "bayes_ratio": (
+        "Clearness",
+        "How much better a repeat must explain the curves than none, to be kept. More is stricter",
+    ),
+    "keep_odds": ("Keep Odds", "How much likelier to be real than clutter a curve must be that does not repeat"),
+    "smoothing": ("Smoothing", "How much jagged curves are smoothed along their way. Corners get this much rounder"),
+    "link_gap": ("Largest Gap", "Largest gap that is closed in curves that do not repeat"),
+    "epsilon": ("Feature Radius", "How far apart the occurrences may show the same curve"),
+    "thing_margin": ("Reach", "How far around what was found of a template the rest of it is looked for"),
+    "thing_gap": ("Gap Inside", "Largest gap between the curves of one template"),
+    "significance": ("Doubt", "How likely to be chance a curve or an occurrence may be. Less is stricter"),
+    "block": ("Block Size", "Pairs handled at a time. It bounds the memory, not the result"),
+    "threads": ("Threads", "Processors that work on it; 0 takes all but one"),
 }
+"""What parameters are called here, and what they do, for people who have not read the paper."""
+
 BASIC = ("smoothing", "l0", "s", "link_gap", "epsilon")  # what a user changes first; the rest is in a sub-panel
+
+
+def _changed(group, context):
+    """Called by Blender: a match is never followed on more strictly than it began."""
+    if group.t < group.s:
+        group["t"] = group.s
+    changes.update(group, context)
 
 
 FCN_PG_parameters = type(
@@ -42,7 +58,7 @@ FCN_PG_parameters = type(
     (PropertyGroup,),
     {
         "__doc__": "The parameters of the method, made from `Parameters`.",
-        "__annotations__": from_parameters.properties_of(Parameters, LABELS, changes.update),
+        "__annotations__": from_parameters.properties_of(Parameters, WORDS, _changed),
     },
 )
 
@@ -135,6 +151,16 @@ class FCN_PG_settings(PropertyGroup):
             ("KEEP", "Keep", "Leave it and put the new one beside it"),
         ),
     )
+    form: EnumProperty(name="Objects", description="What the completed curves become", items=writer.FORMS)
+    edit_alone: BoolProperty(
+        name="Alone",
+        description="While a template is edited, hide all else; otherwise the scan and the rest stay in sight, faint",
+    )
+    show_source: BoolProperty(
+        name="Show Settings",
+        description="What to complete and how; closed up once there is a result",
+        default=True,
+    )
     result: PointerProperty(
         type=bpy.types.Collection,
         name="Result",
@@ -146,10 +172,13 @@ class FCN_PG_settings(PropertyGroup):
 
 
 CLASSES = (
+    FCN_AP_preferences,
     FCN_PG_detection,
     FCN_PG_curves,
     FCN_PG_parameters,
     stored.FCN_PG_transformation,
+    templates.FCN_PG_template,
+    templates.FCN_PG_place,
     stored.FCN_PG_result,
     FCN_PG_settings,
 )

@@ -30,6 +30,8 @@ def make(root, context, kind):
     objects = visible_curves(root)
     if not objects:
         raise InputError("no completed curve is visible; switch the view to Result")
+    if kind == "CURVE":
+        return _link(_splines(f"{root.fcn_result.source} completed", objects), _middle(objects), context)
     read = reader.read_curves(objects, context.evaluated_depsgraph_get())
     curves = read.reading.curves
     support = np.array([o["support"] for o in objects], np.float32)
@@ -38,6 +40,10 @@ def make(root, context, kind):
     values = {name: every[owner] for name, every in values.items()}
     centre = 0.5 * (curves.points.min(axis=0) + curves.points.max(axis=0))
     data = MAKERS[kind](f"{root.fcn_result.source} completed", curves, curves.points - centre, values)
+    return _link(data, centre, context)
+
+
+def _link(data, centre, context):
     item = bpy.data.objects.new(data.name, data)
     item.location = centre
     item.color = (*colours.TEMPLATE, 1.0)
@@ -45,10 +51,26 @@ def make(root, context, kind):
     return item
 
 
-def _curve(name, curves, points, _values):
-    return curve_data.curve_data(
-        name, [points[a:b] for a, b in zip(curves.offsets[:-1], curves.offsets[1:])], curves.closed
-    )
+def _middle(objects):
+    """(3,) float64, the middle of the places of objects: far from the origin, float32 holds what is near it."""
+    places = np.array([item.matrix_world.translation for item in objects], float)
+    return 0.5 * (places.min(axis=0) + places.max(axis=0))
+
+
+def _splines(name, objects):
+    """Curve data with all splines of curve objects, handles kept, about their middle."""
+    data, centre = curve_data.bezier_data(name, [], []), _middle(objects)
+    for item in objects:
+        matrix = np.array(item.matrix_world, float)
+        matrix[:3, 3] -= centre
+        for spline in item.data.splines if item.type == "CURVE" else ():
+            if spline.type == "BEZIER":
+                path = curve_data.bezier_path(spline) @ matrix[:3, :3].T + matrix[:3, 3]
+                curve_data.add_bezier(data, path, spline.use_cyclic_u)
+            else:
+                points = curve_data.spline_points(spline) @ matrix[:3, :3].T + matrix[:3, 3]
+                curve_data.add_poly(data, points, spline.use_cyclic_u)
+    return data
 
 
 def _mesh(name, curves, points, values):
@@ -77,4 +99,4 @@ def _attribute(data, name, domain, values, kind=None):
     attribute.data.foreach_set("value", values)
 
 
-MAKERS = {"CURVE": _curve, "MESH": _mesh, "CURVES": _hair}
+MAKERS = {"MESH": _mesh, "CURVES": _hair}

@@ -19,8 +19,9 @@ from bpy.props import (
 )
 from bpy.types import PropertyGroup
 
+from ..detected import scan_lock
 from ..wording import description, titles
-from . import attributes, views
+from . import attributes, templates, views
 
 ICONS = {
     "single": "MOD_ARRAY",
@@ -42,7 +43,7 @@ class FCN_PG_transformation(PropertyGroup):
     curves: IntProperty(name="Curves", description="How many curves its occurrences have")
     support: FloatProperty(name="Support", description="Share of the length of all curves that recurs under it")
     log_bayes_factor: FloatProperty(
-        name="Log Bayes Factor", description="How much better it explains the curves than a model without it"
+        name="Clearness", description="How much better it explains the curves than none, as a logarithm"
     )
     home: PointerProperty(type=bpy.types.Collection)
     kept: BoolProperty(
@@ -81,6 +82,13 @@ class FCN_PG_result(PropertyGroup):
         max=1.0,
         update=views.update,
     )
+    locked: StringProperty(description="Names of the scans that were made unselectable, as JSON")
+    scan_locked: BoolProperty(
+        name="Scan Not Selectable",
+        description="Clicks go through the scan to the completed curves. Switch it off to select the scan again",
+        default=True,
+        update=scan_lock.update,
+    )
     attributes: BoolProperty(
         name="Attributes for Geometry Nodes",
         description="Give every completed curve its support, component, template and occurrence as attributes, which "
@@ -88,10 +96,21 @@ class FCN_PG_result(PropertyGroup):
         update=attributes.update,
     )
     transformations: CollectionProperty(type=FCN_PG_transformation)
+    template_rows: CollectionProperty(type=templates.FCN_PG_template)
+    active_template: IntProperty(
+        name="Template", description="The template that the buttons are about", min=0, update=templates.chosen
+    )
+    places: CollectionProperty(type=templates.FCN_PG_place)
+    active_place: IntProperty(name="Occurrence", description="The occurrence that is looked at", min=0)
+    solo: BoolProperty(
+        name="Solo",
+        description="Show the occurrences of the active template alone",
+        update=views.update,
+    )
     active: IntProperty(name="Transformation", description="The transformation that the buttons are about", min=0)
 
 
-def describe(root, completion, run, length):
+def describe(root, completion, run, length, names=None):
     """Fill in the properties of a result's collection.
 
     Parameters
@@ -99,6 +118,7 @@ def describe(root, completion, run, length):
     root : Collection that `writer.write` made
     run : has label, sources, parameters and left_out
     length : turns a length into words
+    names : template id -> what it is called; letters if None
     """
     result = root.fcn_result
     result.is_result = True
@@ -112,6 +132,7 @@ def describe(root, completion, run, length):
     result.strong = len(completion.strong)
     result.left_out = run.left_out.words()
     result.noise = int(np.count_nonzero(completion.inputs.kind == "noise"))
+    templates.describe(root, completion, names or {})
     homes = {c["transformation"]: c for c in child(root, "templates").children}
     named = titles(completion.transformations, length)
     for t in completion.transformations:
@@ -123,6 +144,7 @@ def describe(root, completion, run, length):
         row.count = sum(len(template.occurrences) for template in mine)
         row.curves = sum(len(template.occurrences) * len(template.curves) for template in mine)
         row.support, row.log_bayes_factor = t.support, t.log_bayes_factor
+    templates.fill_places(root)
 
 
 def child(root, role):
@@ -165,6 +187,7 @@ def source_names(root) -> list[str]:
 
 def remove(root):
     """Remove a result with all data that nothing else uses; what is also linked elsewhere stays."""
+    scan_lock.unlock(root)
     tree = {root, *root.children_recursive}
     remove_objects([o for o in root.all_objects if tree.issuperset(o.users_collection)], tree)
 

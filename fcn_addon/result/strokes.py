@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..scene.curve_data import spline_points
 from . import stored
 
 
@@ -43,12 +44,10 @@ def collect(context, viewport=None):
 
 
 def _segments(data) -> np.ndarray:
-    """(k, 2, 3) float64, the segments of the poly splines of a curve in its own space."""
+    """(k, 2, 3) float64, the segments of the splines of a curve in its own space."""
     parts = [np.zeros((0, 2, 3))]
     for spline in data.splines:
-        points = np.empty(4 * len(spline.points), np.float32)
-        spline.points.foreach_get("co", points)
-        points = points.reshape(-1, 4)[:, :3].astype(np.float64)
+        points = spline_points(spline)
         if spline.use_cyclic_u and len(points):
             points = np.concatenate([points, points[:1]])
         parts.append(np.stack([points[:-1], points[1:]], axis=1))

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...core.parameters import Parameters
+from ..scene.curve_data import spline_points
 from . import selection, stored
 
 MOST = 0.5  # share of a curve's points that must lie at an occurrence for the curve to belong to it
@@ -50,16 +51,16 @@ def radius(root) -> float:
     return 2.0 * saved.get("epsilon", Parameters().epsilon) * root.fcn_result.edge_length
 
 
-def points_of(parts):
-    """(k, 3) float64 and (k,) int64: the points of curve objects in world space, and which object each is of."""
+def points_of(parts, step):
+    """(k, 3) float64 and (k,) int64: points of curve objects in world space, at most `step` apart where they are on a
+    Bezier spline, and which object each is of."""
     points, owner = [np.zeros((0, 3))], [np.zeros(0, np.int64)]
     for i, item in enumerate(parts):
         matrix = np.array(item.matrix_world, float)
         for spline in item.data.splines:
-            row = np.empty(4 * len(spline.points), np.float32)
-            spline.points.foreach_get("co", row)
-            points.append(row.reshape(-1, 4)[:, :3].astype(float) @ matrix[:3, :3].T + matrix[:3, 3])
-            owner.append(np.full(len(spline.points), i))
+            row = spline_points(spline, step)
+            points.append(row @ matrix[:3, :3].T + matrix[:3, 3])
+            owner.append(np.full(len(row), i))
     return np.concatenate(points), np.concatenate(owner)
 
 
@@ -72,7 +73,7 @@ def source_points(root, parts, mesh):
 
     near = np.zeros(len(mesh.points), bool)
     for component in {item["component"] for item in parts}:
-        points, _ = points_of([item for item in parts if item["component"] == component])
+        points, _ = points_of([o for o in parts if o["component"] == component], root.fcn_result.edge_length)
         asked = np.flatnonzero(mesh.component == component)
         if len(points) and len(asked):
             distance, _ = cKDTree(points).query(mesh.points[asked], distance_upper_bound=radius(root))
@@ -89,7 +90,7 @@ def parts_of_points(root, chosen, mesh) -> list:
     found = []
     for component in np.unique(mesh.component[chosen & (mesh.component >= 0)]):
         parts = [o for o in templates.all_objects if selection.is_part(o) and o["component"] == component]
-        points, owner = points_of(parts)
+        points, owner = points_of(parts, root.fcn_result.edge_length)
         if len(points):
             asked = mesh.points[chosen & (mesh.component == component)]
             distance, nearest = cKDTree(points).query(asked, distance_upper_bound=radius(root))

@@ -34,6 +34,12 @@ def update(group, _context):
         refresh(root)
 
 
+def update_solo(group, context):
+    """Called by Blender when another template becomes the active one."""
+    if group.solo:
+        update(group, context)
+
+
 def refresh(root):
     """Show what the view, the support and the rejections say.
 
@@ -50,14 +56,24 @@ def refresh(root):
             _hide(collection, role not in SHOWN[view])
     templates, strong, components = (child(root, role) for role in ("templates", "strong", "components"))
     kept = {row.home: row.kept for row in result.transformations if row.home is not None}
+    out = _hidden_templates(result)
+    own = {row.ident: tuple(row.colour) for row in result.template_rows}
     for home in templates.children if templates else ():
-        _hide_objects(home, [not kept.get(home, True) or _is_out(o, result.support) for o in home.objects])
-        _colour(home, view)
+        gone = not kept.get(home, True)
+        _hide_objects(home, [gone or _is_out(o, result.support) or o.get("template") in out for o in home.objects])
+        _colour(home, view, own)
     if strong:
         _hide_objects(strong, [_is_out(o, result.support) for o in strong.objects])
     for home in components.children if components else ():
         # The curves are those of the templates and hidden with them; the input pieces belong to this view alone.
         _hide_objects(home, [o.hide_viewport if "support" in o else view != "COMPONENTS" for o in home.objects])
+
+
+def _hidden_templates(result) -> set:
+    """Numbers of the templates that are switched off, or all but the active one."""
+    rows = result.template_rows
+    alone = rows[result.active_template].ident if result.solo and result.active_template < len(rows) else None
+    return {row.ident for row in rows if not row.shown or alone is not None and row.ident != alone}
 
 
 def _is_out(item, least) -> bool:
@@ -88,18 +104,19 @@ def _hide_objects(collection, hidden):
             objects[i].update_tag(refresh={"OBJECT"})
 
 
-def _colour(home, view):
+def _colour(home, view, own):
     """Colours of the curves in a transformation's collection."""
     for item in home.objects:
         if item.type != "EMPTY":
-            colour = (*_colour_of(item, view), 1.0)
+            colour = (*_colour_of(item, view, own), 1.0)
             if any(abs(a - b) > 1e-6 for a, b in zip(item.color, colour)):
                 item.color = colour
 
 
-def _colour_of(item, view):
+def _colour_of(item, view, own):
     if view == "COMPONENTS":
         return colours.distinct(item.get("component", -1))
     if view == "TEMPLATES":
-        return colours.distinct(item.get("template", -1))
+        label = item.get("template", -1)
+        return own.get(label) or colours.distinct(label)
     return colours.TEMPLATE

@@ -18,14 +18,21 @@ import bpy
 import numpy as np
 
 from ...core.report import moved
+from ...core.values import Curves
 from .. import colours
-from ..scene.curve_data import curve_data, mesh_data
+from ..scene.curve_data import bezier_data, curve_data, mesh_data
 from ..scene.units import unit_length
-from ..wording import titles
+from ..wording import letters, titles
 from .views import ROLE
 
+FORMS = (
+    ("HANDLES", "Curves with Handles", "Bezier curves of few points: lines, arcs and what lies between, with handles"),
+    ("DENSE", "Dense Curves", "Curves with a point for every edge length of the scan"),
+    ("MESH", "Edge Meshes", "Meshes of edges, with a point for every edge length of the scan"),
+)
 
-def write(completion, curves, *, source, scene, length=None):
+
+def write(completion, curves, *, source, scene, length=None, fitted=None, form="DENSE", names=None):
     """Make the collections and link them to a scene; on any fault everything that was made is removed.
 
     Parameters
@@ -33,6 +40,9 @@ def write(completion, curves, *, source, scene, length=None):
     completion, curves : a Completion and the Curves it is of
     source : str, what the curves are called
     length : turns scene units into words, by default with the unit of the scene
+    fitted : FittedCompletion, the curves as primitives; needed where form is "HANDLES"
+    form : what the objects are, one of `FORMS`
+    names : template id -> what it is called; letters if None
 
     Returns
     -------
@@ -44,7 +54,7 @@ def write(completion, curves, *, source, scene, length=None):
     """
     made = []
     try:
-        root = _Writer(made, completion, curves).write(source, length or unit_length(scene))
+        root = _Writer(made, completion, curves, fitted, form, names or {}).write(source, length or unit_length(scene))
         scene.collection.children.link(root)
     except BaseException:
         bpy.data.batch_remove(made)
@@ -55,8 +65,9 @@ def write(completion, curves, *, source, scene, length=None):
 class _Writer:
     """Makes the data of one result; `made` collects all of it."""
 
-    def __init__(self, made, completion, curves):
-        self.made = made
+    def __init__(self, made, completion, curves, fitted, form, names):
+        self.made, self.names = made, names
+        self.fitted, self.form = fitted, form
         self.completion = completion
         self.curves = curves
         self.components = {}
@@ -97,9 +108,15 @@ class _Writer:
             made.show_wire = True  # only then a viewport in solid mode draws the curve in its own colour
         return made
 
-    def _curve(self, name, polylines, closed):
-        """Curve data with a poly spline each; without bevel."""
-        data = curve_data(name, polylines, closed)
+    def _curve(self, name, curve, fit, centre):
+        """The data of one completed curve about a centre: as its form says, with its handles where it has any."""
+        if self.form == "MESH":
+            one = Curves.from_list([curve.points], [curve.closed])
+            data = mesh_data(name, one, curve.points - centre)
+        elif self.form == "HANDLES" and fit is not None and fit.primitives:
+            data = bezier_data(name, [fit.beziers() - centre], [fit.closed])
+        else:
+            data = curve_data(name, [curve.points - centre], [curve.closed])
         self.made.append(data)
         return data
 
@@ -122,19 +139,26 @@ class _Writer:
         homes = {id: self._collection(title[:63], collection) for id, title in named.items()}
         for id, home in homes.items():
             home["transformation"] = int(id)
-        for template in self.completion.templates:
+        for t, template in enumerate(self.completion.templates):
+            fits = [None] * len(template.curves) if self.fitted is None else self.fitted.templates[t]
             home = homes[template.transformation]
             # The empties stand in the middle of what they hold; the template's space may be far from it.
             centre = _centre(np.concatenate([c.points for c in template.curves]))
             parts = [
-                (curve, self._curve(f"Template {template.id} curve {i}", [curve.points - centre], [curve.closed]))
-                for i, curve in enumerate(template.curves)
+                (curve, self._curve(f"{self._name(t)} {i + 1}", curve, fit, centre))
+                for i, (curve, fit) in enumerate(zip(template.curves, fits))
             ]
+            for i, (_, data) in enumerate(parts):
+                data["part"] = i
             for occurrence, motion in enumerate(template.occurrences):
-                self._occurrence(template, occurrence, motion, centre, parts, home)
+                self._occurrence(template, occurrence, motion, centre, parts, home, self._name(t))
 
-    def _occurrence(self, template, occurrence, motion, centre, parts, home):
-        holder = self._object(f"Template {template.id} at {occurrence}", None, home)
+    def _name(self, t):
+        """What template number t of the completion is called."""
+        return self.names.get(self.completion.templates[t].id, f"Template {letters(t)}")
+
+    def _occurrence(self, template, occurrence, motion, centre, parts, home, name):
+        holder = self._object(f"{name} at {occurrence + 1}", None, home)
         matrix = np.array(motion, float)
         matrix[:3, 3] = moved(centre, matrix)
         place = matrix.T.tolist()  # nested sequences are columns here
@@ -143,7 +167,7 @@ class _Writer:
         holder.empty_display_size = 0.1 * max(_radius(template, centre), 1e-6)
         holder["template"], holder["occurrence"] = int(template.id), occurrence
         for (curve, data), support in zip(parts, template.evidence[occurrence].tolist()):
-            part = self._object(data.name, data, home, colours.TEMPLATE)
+            part = self._object(f"{name} {data['part'] + 1} at {occurrence + 1}", data, home, colours.TEMPLATE)
             # Each has the occurrence as its own matrix, so that it stays where it is if the empty is deleted.
             part.parent, part.matrix_parent_inverse, part.matrix_basis = holder, back, place
             part["template"], part["occurrence"] = int(template.id), occurrence
@@ -167,7 +191,7 @@ class _Writer:
     def _strong(self, collection):
         for i, curve in enumerate(self.completion.strong):
             centre = _centre(curve.points)
-            data = self._curve(f"Strong {i}", [curve.points - centre], [curve.closed])
+            data = self._curve(f"Strong {i}", curve, self.fitted.strong[i] if self.fitted else None, centre)
             made = self._object(data.name, data, collection, colours.STRONG)
             _place(made, centre)
             made["template"] = made["occurrence"] = made["component"] = -1
@@ -177,7 +201,8 @@ class _Writer:
         """Input curves as one object."""
         polylines = [self.curves.curve(i) for i in pieces]
         centre = _centre(np.concatenate(polylines))
-        data = self._curve(name, [p - centre for p in polylines], self.curves.closed[pieces])
+        data = curve_data(name, [p - centre for p in polylines], self.curves.closed[pieces])
+        self.made.append(data)
         made = self._object(name, data, collection, colour)
         _place(made, centre)
         return made

@@ -48,13 +48,28 @@ def frame_selected(context):
     return False
 
 
-def isolate(context, alone):
-    """Show the selection alone in the viewport of the context (its local view), or everything again."""
-    area = context.area
-    if area is None or area.type != "VIEW_3D":
-        area = next((a for _, a in areas(context)), None)
-    if area is None or bool(area.spaces.active.local_view) == alone:
+def look_from_front(context):
+    """Turn the viewport to the front view, and frame the selection."""
+    found = of_context(context)
+    if found is None:
+        return
+    window, area = found
+    region = next(r for r in area.regions if r.type == "WINDOW")
+    with context.temp_override(window=window, area=area, region=region):
+        bpy.ops.view3d.view_axis(type="FRONT")
+        bpy.ops.view3d.view_selected(use_all_regions=False)
+
+
+def of_context(context):
+    """(window, area) of the viewport of the context, else of the first; None without one."""
+    found = sorted(areas(context), key=lambda pair: pair[1] != context.area)
+    return found[0] if found else None
+
+
+def isolate(window, area, alone):
+    """Show the selection alone in a viewport (its local view), or everything again."""
+    if bool(area.spaces.active.local_view) == alone:
         return
     region = next(r for r in area.regions if r.type == "WINDOW")
-    with context.temp_override(area=area, region=region):
+    with bpy.context.temp_override(window=window, area=area, region=region):
         bpy.ops.view3d.localview(frame_selected=True)  # on the way back this is: where the view was before

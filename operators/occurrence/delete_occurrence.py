@@ -6,7 +6,8 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
-from ...fcn_addon.result import selection, stored
+from ...fcn_addon.result import selection, stored, templates
+from ...fcn_addon.wording import counted
 from ..base import OnOccurrence
 
 
@@ -21,6 +22,9 @@ class FCN_OT_delete_occurrence(OnOccurrence, bpy.types.Operator):
         chosen = list(context.selected_objects)
         holders = selection.holders(chosen)
         count = len(holders)
+        roots = {selection.result_of(context.scene, item) for item in chosen} - {None}
         stored.remove_objects([*holders, *selection.parts(chosen)])
-        self.report({"INFO"}, rpt_("{count} occurrences deleted").format(count=count))
+        for root in roots:
+            templates.count(root)
+        self.report({"INFO"}, rpt_("{what} deleted").format(what=counted(count, "occurrence")))
         return {"FINISHED"}

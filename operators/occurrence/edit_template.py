@@ -6,12 +6,12 @@ from __future__ import annotations
 import bpy
 
 from ...fcn_addon.result import selection
-from ...fcn_addon.scene import viewports
-from ..base import Polled
+from ...fcn_addon.scene import focus
+from ..base import Polled, enter_edit_mode
 
 
 class FCN_OT_edit_template(Polled, bpy.types.Operator):
-    """Edit the curves of this template alone: what is changed in one occurrence changes in all. Again goes back"""
+    """Edit the curves of this template: what is changed in one occurrence changes in all. Again, or Tab, goes back"""
 
     bl_idname = "fcn.edit_template"
     bl_label = "Edit Template"
@@ -25,7 +25,7 @@ class FCN_OT_edit_template(Polled, bpy.types.Operator):
     def execute(self, context):
         if context.mode != "OBJECT":
             bpy.ops.object.mode_set(mode="OBJECT")
-            viewports.isolate(context, False)
+            focus.end()
             return {"FINISHED"}
         parts = [item for item in selection.parts([context.active_object]) if item.visible_get()]
         if not parts:
@@ -33,6 +33,6 @@ class FCN_OT_edit_template(Polled, bpy.types.Operator):
             return {"CANCELLED"}
         active = context.active_object if context.active_object in parts else parts[0]
         selection.select(context, parts, active=active)
-        viewports.isolate(context, True)
-        bpy.ops.object.mode_set(mode="EDIT")
+        focus.begin(context, context.scene.fcn.edit_alone)
+        enter_edit_mode(self.bl_label)
         return {"FINISHED"}

@@ -7,6 +7,7 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from ...fcn_addon.result import selection
+from ...fcn_addon.wording import counted
 from ..base import OnOccurrence
 
 
@@ -22,5 +23,5 @@ class FCN_OT_make_unique(OnOccurrence, bpy.types.Operator):
         for item in shared:
             item.data = item.data.copy()
             item["unique"] = True
-        self.report({"INFO"}, rpt_("{count} curves are unique now").format(count=len(shared)))
+        self.report({"INFO"}, rpt_("{what} now follow no template").format(what=counted(len(shared), "curve")))
         return {"FINISHED"}

@@ -6,21 +6,17 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
-from ...fcn_addon.result import selection, views
-from ..base import Polled
+from ...fcn_addon.result import selection, templates, views
+from ...fcn_addon.wording import counted
+from ..base import OnOccurrence
 
 
-class FCN_OT_reject_occurrence(Polled, bpy.types.Operator):
+class FCN_OT_reject_occurrence(OnOccurrence, bpy.types.Operator):
     """Take the occurrences that the selected curves belong to out of the result"""
 
     bl_idname = "fcn.reject_occurrence"
     bl_label = "Reject Occurrence"
     bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def why_not(cls, context):
-        found = any(map(selection.is_of_occurrence, context.selected_objects))
-        return None if found else "Select a curve of an occurrence"
 
     def execute(self, context):
         chosen = selection.holders(context.selected_objects)
@@ -30,5 +26,6 @@ class FCN_OT_reject_occurrence(Polled, bpy.types.Operator):
             item["rejected"] = True
         for root in roots:
             views.refresh(root)
-        self.report({"INFO"}, rpt_("{count} occurrences rejected").format(count=len(chosen)))
+            templates.count(root)
+        self.report({"INFO"}, rpt_("{what} rejected").format(what=counted(len(chosen), "occurrence")))
         return {"FINISHED"}

@@ -7,6 +7,7 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from ...fcn_addon.result import selection
+from ...fcn_addon.wording import counted
 from ..base import OnOccurrence
 
 
@@ -21,5 +22,5 @@ class FCN_OT_select_occurrence(OnOccurrence, bpy.types.Operator):
         chosen = list(context.selected_objects)
         whole = [*selection.holders(chosen), *selection.parts(chosen)]
         count = selection.select(context, whole, active=whole[0])
-        self.report({"INFO"}, rpt_("{count} objects").format(count=count))
+        self.report({"INFO"}, rpt_("{what} selected").format(what=counted(count, "object")))
         return {"FINISHED"}

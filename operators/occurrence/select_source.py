@@ -9,7 +9,8 @@ from bpy.app.translations import pgettext_rpt as rpt_
 
 from ...fcn_addon.result import selection, tracing
 from ...fcn_addon.scene import viewports
-from ..base import OnOccurrence
+from ...fcn_addon.wording import counted
+from ..base import OnOccurrence, enter_edit_mode
 
 
 class FCN_OT_select_source(OnOccurrence, bpy.types.Operator):
@@ -34,8 +35,8 @@ class FCN_OT_select_source(OnOccurrence, bpy.types.Operator):
         context.view_layer.update()
         tracing.select_points(mesh.item.data, chosen)
         selection.select(context, [mesh.item], active=mesh.item)
-        bpy.ops.object.mode_set(mode="EDIT")
+        enter_edit_mode(self.bl_label)
         viewports.frame_selected(context)
         count = len(np.unique(mesh.source[chosen]))
-        self.report({"INFO"}, rpt_("{count} input curves").format(count=count))
+        self.report({"INFO"}, rpt_("{what} selected").format(what=counted(count, "input curve")))
         return {"FINISHED"}

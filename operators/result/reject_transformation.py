@@ -7,7 +7,7 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from ...fcn_addon.result import stored
-from ..base import Polled
+from ..base import LEAVE_EDIT_MODE, Polled
 
 
 class FCN_OT_reject_transformation(Polled, bpy.types.Operator):
@@ -19,6 +19,8 @@ class FCN_OT_reject_transformation(Polled, bpy.types.Operator):
 
     @classmethod
     def why_not(cls, context):
+        if context.mode != "OBJECT":
+            return LEAVE_EDIT_MODE
         found = stored.active_transformation(context.scene) is not None
         return None if found else "No transformation: complete curves first"
 

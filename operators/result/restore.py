@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import bpy
 
-from ...fcn_addon.result import stored, views
-from ..base import NO_RESULT, Polled
+from ...fcn_addon.result import stored, templates, views
+from ..base import LEAVE_EDIT_MODE, NO_RESULT, Polled
 
 
 class FCN_OT_restore(Polled, bpy.types.Operator):
@@ -18,6 +18,8 @@ class FCN_OT_restore(Polled, bpy.types.Operator):
 
     @classmethod
     def why_not(cls, context):
+        if context.mode != "OBJECT":
+            return LEAVE_EDIT_MODE
         return None if stored.active(context.scene) is not None else NO_RESULT
 
     def execute(self, context):
@@ -29,4 +31,5 @@ class FCN_OT_restore(Polled, bpy.types.Operator):
             if not row.kept:
                 row.kept = True
         views.refresh(root)
+        templates.count(root)
         return {"FINISHED"}

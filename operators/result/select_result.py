@@ -8,6 +8,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 
 from ...fcn_addon.result import selection, stored, tracing
 from ...fcn_addon.scene import viewports
+from ...fcn_addon.wording import counted
 from ..base import Polled
 
 
@@ -39,5 +40,5 @@ class FCN_OT_select_result(Polled, bpy.types.Operator):
         count = selection.select(context, found, active=found[0] if found else None)
         if count:
             viewports.frame_selected(context)
-        self.report({"INFO"}, rpt_("{count} completed curves").format(count=count))
+        self.report({"INFO"}, rpt_("{what} selected").format(what=counted(count, "completed curve")))
         return {"FINISHED"}

@@ -7,7 +7,7 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from ...fcn_addon.job import chosen, completing, session
-from ...fcn_addon.wording import duration
+from ...fcn_addon.wording import counted, duration
 from ..base import Background
 
 
@@ -33,14 +33,11 @@ class FCN_OT_complete(Background, bpy.types.Operator):
 
 def describe(result) -> str:
     """A line about a result."""
-    text = rpt_(
-        "{transformations} transformations, {templates} templates at {places} places, {strong} strong curves; {time}"
-    )
+    text = rpt_("{templates} at {places}, {strong}; {time}")
     said = text.format(
-        transformations=len(result.transformations),
-        templates=result.templates,
-        places=result.occurrences,
-        strong=result.strong,
+        templates=counted(result.templates, "template"),
+        places=counted(result.occurrences, "place"),
+        strong=counted(result.strong, "single curve"),
         time=duration(result.seconds),
     )
     if result.left_out:

@@ -139,6 +139,7 @@ def wall(bpy, curves):
     item.select_set(True)
     bpy.context.view_layer.objects.active = item
     bpy.context.view_layer.update()
+    bpy.context.scene.fcn.form = "DENSE"  # with a point for each of the completion's
     return item
 
 

@@ -25,8 +25,8 @@ def metres(value):
         ("grid", [motion(shift=(1.8, 0, 0)), motion(shift=(0, 0, 2.4))], [[-2, 2], [0, 2]],
          "Grid 1: 5 x 3, step 1.80 m, 2.40 m"),
         ("translation", [motion(shift=(0, 0.6, 0.8))], [[0, 11]], "Row 1: 12, step 1.00 m"),
-        ("rotation", [motion(np.radians(18))], [[0, 19]], "Rotation 1: 20 x 18°"),
-        ("screw", [motion(np.radians(30), (0, 0, -0.2))], [[0, 7]], "Screw 1: 8 x 30°, rise 0.20 m"),
+        ("rotation", [motion(np.radians(18))], [[0, 19]], "Ring 1: 20 x 18°"),
+        ("screw", [motion(np.radians(30), (0, 0, -0.2))], [[0, 7]], "Spiral 1: 8 x 30°, rise 0.20 m"),
         ("single", [motion(np.pi, (3, 0, 4), (1, 2, 3))], [[0, 1]], "Pair 1: turned 180°, moved 5.00 m"),
         ("single", [motion(0, (3, 0, 4))], [[0, 1]], "Pair 1: moved 5.00 m"),
     ],
@@ -52,3 +52,11 @@ def test_angle_and_rise(part, angle, axis):
     assert turn == pytest.approx(angle, abs=1e-7)
     if angle > 1e-3:
         assert abs(rise) == pytest.approx(2.5, abs=1e-6)
+
+
+def test_numbers_of_things_and_letters(part):
+    wording = part("fcn_addon.wording")
+    assert [wording.counted(n, "occurrence") for n in (0, 1, 2, 1234)] == [
+        "0 occurrences", "1 occurrence", "2 occurrences", "1,234 occurrences",
+    ]  # fmt: skip
+    assert [wording.letters(n) for n in (0, 1, 25, 26, 27, 701, 702)] == ["A", "B", "Z", "AA", "AB", "ZZ", "AAA"]

@@ -43,7 +43,8 @@ def test_it_is_json_and_has_what_is_promised(completion, curves):
     document = json.loads(json.dumps(made(completion, curves), allow_nan=False))
     assert document["schema"] == "fcn-report/1"
     assert document["version"] == "1.2.3"
-    assert document["input"] == {"curves": 3, "samples": 9, "edge_length": 0.5}
+    assert document["input"] == {"curves": 3, "samples": 9, "edge_length": 0.5, "noise": document["input"]["noise"]}
+    assert document["input"]["noise"] >= 0.05 * 0.5
     assert document["parameters"]["l0"] == 30
     assert set(document["seconds"]) == {"read", "detect", *STAGES, "write"}
     assert document["seconds"]["blast"] == 1.5
@@ -100,3 +101,14 @@ def test_input_curves_without_a_length_are_counted(completion, curves):
 def test_lengths_include_the_closing_edge(curves):
     assert lengths(curves) == pytest.approx([2 + 2**0.5, 2, 2])
     assert len(lengths(Curves.from_list([]))) == 0
+
+
+def test_each_curve_is_there_as_primitives_too(completion, curves):
+    rows = made(completion, curves)["curves"]
+    for row in rows:
+        assert row["primitives"] and row["deviation"] >= 0
+        ends = [(np.array(p["start"]), np.array(p.get("end", p["start"]))) for p in row["primitives"]]
+        assert all((a[1] == b[0]).all() for a, b in zip(ends, ends[1:]))
+        if not row["closed"]:
+            off = [np.linalg.norm(ends[0][0] - row["points"][0]), np.linalg.norm(ends[-1][1] - row["points"][-1])]
+            assert max(off) <= 5 * 0.5

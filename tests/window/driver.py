@@ -138,7 +138,7 @@ class Driver:
                 return
         self.places.clear()
         for y in range(region.y + region.height - 40, region.y + 10, -9):
-            for x in (region.x + region.width // 3, region.x + region.width * 5 // 8):
+            for x in (region.x + region.width * share // 100 for share in (33, 62, 74)):
                 self.move(x, y)
                 yield 0.03
                 said = self.under_mouse()

@@ -118,9 +118,9 @@ def result_session(driver):
     result().support = 0.0
     assert len(visible()) == size
 
-    yield from driver.press("bpy.ops.fcn.select_transformation(")
+    yield from driver.press("bpy.ops.fcn.select_template(")
     chosen = bpy.context.selected_objects
-    assert chosen and {o.parent.users_collection[0] for o in chosen} == {result().transformations[0].home}
+    assert chosen and {o["template"] for o in chosen} == {result().template_rows[0].ident}
     driver.picture("6-selected")
     for item in chosen[1:]:
         item.select_set(False)
@@ -168,13 +168,20 @@ def correct(driver, item, size):
     distance = space.region_3d.view_distance
     press("edit_template")
     yield 0.5
-    assert bpy.context.mode == "EDIT_CURVE" and space.local_view
+    assert bpy.context.mode == "EDIT_CURVE" and space.overlay.show_fade_inactive and not space.local_view
     assert space.region_3d.view_distance < 0.9 * distance
     driver.picture("8-edit-template")
+    yield from driver.key("TAB")
+    yield lambda: not space.overlay.show_fade_inactive
+    assert bpy.context.mode == "OBJECT"
+    settings().edit_alone = True
     press("edit_template")
-    yield 0.3
-    assert bpy.context.mode == "OBJECT" and not space.local_view
-    assert abs(space.region_3d.view_distance - distance) < 0.01 * distance
+    yield 0.5
+    assert bpy.context.mode == "EDIT_CURVE" and space.local_view
+    yield from driver.key("TAB")
+    yield lambda: not space.local_view
+    assert bpy.context.mode == "OBJECT"
+    settings().edit_alone = False
     press("select_occurrence")
     assert {item, item.parent} < set(bpy.context.selected_objects)
     yield from local_view(driver, item)

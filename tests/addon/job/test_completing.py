@@ -113,7 +113,7 @@ def test_the_parameters_are_the_papers_and_come_back_exactly(bpy, part):
     other = parameters(l0=12.3, s=0.01, t=0.7, epsilon=2.25, threads=3)
     properties.set_parameters(group, other)
     assert properties.parameters(group) == other
-    assert set(properties.LABELS) >= set(properties.BASIC)
+    assert set(properties.WORDS) == set(part("core.parameters").Parameters.__dataclass_fields__)
     group.t = 0.01
     group.s = 5
     with pytest.raises(part("core.errors").InputError, match="t must not be below s"):
@@ -324,7 +324,7 @@ def test_undo_does_not_disturb_a_run(bpy, part, wall, monkeypatch, completion):
     bpy.ops.ed.undo()
     session.tick()
     session.end()
-    root = completing.finish(bpy.context, run.task, session.outcome(run))
+    root = completing.finish(bpy.context, run.task, *session.outcome(run))
     assert root.fcn_result.occurrences == 6
     assert bpy.data.objects["Wall"].location.x == 0 and bpy.data.objects["Wall"].hide_get()
 

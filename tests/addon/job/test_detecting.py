@@ -45,6 +45,7 @@ def test_the_curves_and_their_scan(bpy, scan):
     item = bpy.context.active_object
     assert item.name == "Scan curves" and item.select_get() and not scan.select_get() and not scan.hide_get()
     assert not item.data.polygons and item.fcn_curves.total == item.fcn_curves.shown >= 3
+    assert item.fcn_curves.detail > 0
     assert np.array_equal(world(scan), before) and [tuple(r) for r in scan.matrix_world] == data
     points = world(item)
     inside = (points > before.min(axis=0) - 1e-3) & (points < before.max(axis=0) + 1e-3)

@@ -372,10 +372,10 @@ def test_the_presets_that_come_along(bpy, part):
         bpy.context.scene.fcn.parameters.bayes_ratio = 7  # what a preset does not name goes back to the default
         bpy.ops.script.execute_preset(filepath=str(path), menu_idname="FCN_PT_presets")
         values[path.stem] = properties.parameters(bpy.context.scene.fcn.parameters)
-    assert set(values) == {"clean", "scanned", "very_noisy"}
-    assert values["scanned"] == part("core.parameters").Parameters()
-    assert {v.bayes_ratio for v in values.values()} == {values["scanned"].bayes_ratio}
-    assert values["clean"].smoothing < values["scanned"].smoothing < values["very_noisy"].smoothing
+    assert set(values) == {"Default", "Drawn_or_CAD", "Very_Noisy_Scan"}
+    assert values["Default"] == part("core.parameters").Parameters()
+    assert {v.bayes_ratio for v in values.values()} == {values["Default"].bayes_ratio}
+    assert values["Drawn_or_CAD"].smoothing < values["Default"].smoothing < values["Very_Noisy_Scan"].smoothing
 
 
 def test_blender_finds_the_presets(bpy, part):

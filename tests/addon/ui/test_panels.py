@@ -62,6 +62,11 @@ def panels(bpy, part):
                 part("ui").FCN_UL_transformations.draw_item(
                     None, bpy.context, layout, root.fcn_result, row, 0, root.fcn_result, "active", i
                 )
+            for cls, rows in (("FCN_UL_templates", "template_rows"), ("FCN_UL_places", "places")):
+                for i, row in enumerate(getattr(root.fcn_result, rows)):
+                    layout = Written(rna, said, buttons)
+                    drawn = getattr(part("ui"), cls).draw_item
+                    drawn(None, bpy.context, layout, root.fcn_result, row, 0, root.fcn_result, "active", i)
         return said, buttons
 
     return draw
@@ -113,16 +118,19 @@ def test_in_edit_mode(panels, bpy, wall):
 
 def test_a_result(panels, bpy, made):
     said, buttons = panels()
-    for text in ("Grid 1: 3 x 2", "Grid 1: 3 x 2, step 1.8 m, 2.4 m", "40%", "6 occurrences, 12 curves",
-                 "Support 40.0%, log Bayes factor 40", "Reject", "4 curves of the result"):  # fmt: skip
+    for text in ("Grid 1: 3 x 2, 6 places", "6   50%", "Template A at 3", "Grid 1: 3 x 2, step 1.8 m, 2.4 m", "40%", "6 occurrences, 12 curves",
+                 "Reject"):  # fmt: skip
         assert text in said, (text, said)
+    assert "4 curves of the result" not in said
+    bpy.context.scene.fcn.show_source = True
+    assert "4 curves of the result" in panels()[0]
     made.fcn_result.transformations[0].kept = False
     assert "Keep" in panels()[0]
     item = next(o for o in made.all_objects if o.get("occurrence") == 3 and "support" in o)
     bpy.context.view_layer.objects.active = item
-    assert f"Template 3 at 3, support {item['support']:.0%}" in panels()[0]
+    assert f"{item.name}: {item['support']:.0%}" in panels()[0]
     bpy.context.view_layer.objects.active = item.parent
-    assert "Template 3 at 3" in panels()[0]
+    assert item.parent.name in panels()[0]
 
 
 def test_while_a_template_is_edited(panels, bpy, made):
@@ -131,7 +139,7 @@ def test_while_a_template_is_edited(panels, bpy, made):
     bpy.context.view_layer.objects.active = item
     bpy.ops.fcn.edit_template()
     said, buttons = panels()
-    assert said.count("Finish Editing") == 2 and "Leave the edit mode first" in said
+    assert said.count("Finish Editing") == 2 and "fcn.complete" not in buttons
 
 
 def remove_objects(bpy, root):

@@ -1,0 +1,19 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Polylines as the fewest lines, circular arcs, circles and Bezier segments within their noise."""
+
+from .completed import FittedCompletion, fit_completion
+from .fit import FittedCurve, fit_curve, fit_curves
+from .primitives import Arc, Bezier, Circle, Line, dense
+
+__all__ = [
+    "Arc",
+    "Bezier",
+    "Circle",
+    "FittedCompletion",
+    "FittedCurve",
+    "Line",
+    "dense",
+    "fit_completion",
+    "fit_curve",
+    "fit_curves",
+]

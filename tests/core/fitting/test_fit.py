@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+from core.errors import InputError
+from core.fitting import Circle, dense, fit_curve, fit_curves
+from tests.core.fitting import drawings
+
+SIGMAS = [0.01, 0.0]
+
+
+def kinds(fitted):
+    return [p.kind for p in fitted.primitives]
+
+
+def furthest(points, fitted, step=0.002):
+    """Largest distance of points from a fitted curve, by dense sampling alone."""
+    return cKDTree(dense(fitted.primitives, step, fitted.closed)).query(points)[0].max()
+
+
+def assert_joined(fitted):
+    after = fitted.primitives[1:] + (fitted.primitives[:1] if fitted.closed else ())
+    for p, q in zip(fitted.primitives, after):
+        assert (p.end == q.start).all()
+
+
+def corners(fitted):
+    return np.array(sorted(p.start.round(6).tolist() for p in fitted.primitives))
+
+
+@pytest.mark.parametrize("sigma", SIGMAS)
+@pytest.mark.parametrize("first", [0, 13])
+def test_a_rectangle_is_four_lines_that_share_their_corners(sigma, first):
+    points = drawings.noisy(np.roll(drawings.rectangle(), first, axis=0), sigma, first)
+    fitted = fit_curve(points, True)
+    assert kinds(fitted) == ["line"] * 4
+    assert_joined(fitted)
+    expected = np.array([[0, 0, 0], [0, 2, 0], [3, 0, 0], [3, 2, 0.0]])
+    assert cKDTree(corners(fitted)).query(expected)[0].max() <= 1.5 * sigma + 1e-5
+
+
+@pytest.mark.parametrize("sigma", SIGMAS)
+def test_a_roundel_is_one_circle(sigma):
+    fitted = fit_curve(drawings.noisy(drawings.circle(1.5), sigma), True)
+    (circle,) = fitted.primitives
+    assert isinstance(circle, Circle)
+    assert circle.radius == pytest.approx(1.5, abs=sigma + 1e-5)
+    assert circle.centre == pytest.approx(np.zeros(3), abs=sigma + 1e-5)
+
+
+def test_a_circle_whose_ends_only_meet_is_one_too():
+    assert kinds(fit_curve(drawings.arc(1.0, 0, 2 * np.pi, 101))) == ["circle"]
+
+
+@pytest.mark.parametrize("sigma", SIGMAS)
+def test_a_pointed_arch_is_two_arcs(sigma):
+    fitted = fit_curve(drawings.noisy(drawings.pointed_arch(), sigma))
+    assert kinds(fitted) == ["arc", "arc"]
+    assert_joined(fitted)
+    assert fitted.primitives[0].end == pytest.approx([0, np.sqrt(3), 0], abs=3 * sigma + 1e-5)
+    assert [p.radius for p in fitted.primitives] == pytest.approx([2, 2], abs=6 * sigma + 1e-4)
+
+
+@pytest.mark.parametrize("sigma", SIGMAS)
+def test_sides_that_go_on_into_an_arch_are_tangent_to_it(sigma):
+    fitted = fit_curve(drawings.noisy(drawings.window(), sigma))
+    assert kinds(fitted) == ["line", "arc", "arc", "line"]
+    assert_joined(fitted)
+    for i in (0, 2):
+        end, start = fitted.primitives[i].tangents()[1], fitted.primitives[i + 1].tangents()[0]
+        assert np.arccos(min(1.0, end @ start)) < 1e-4
+
+
+@pytest.mark.parametrize("sigma", SIGMAS)
+def test_a_cubic_in_space_is_one_bezier(sigma):
+    assert kinds(fit_curve(drawings.noisy(drawings.space_curve(), sigma))) == ["bezier"]
+
+
+@pytest.mark.parametrize(
+    "points, closed",
+    [
+        (drawings.noisy(drawings.window(), 0.01), False),
+        (drawings.noisy(drawings.rectangle(), 0.01), True),
+        (drawings.noisy(drawings.space_curve(), 0.01), False),
+        (np.cumsum(np.random.default_rng(2).normal(size=(24, 3)), axis=0), False),
+        (np.cumsum(np.random.default_rng(4).normal(size=(24, 3)), axis=0), True),
+    ],
+)
+@pytest.mark.parametrize("sigma", [0.02, None])
+def test_the_deviation_is_what_it_says_and_never_above_the_noise(points, closed, sigma):
+    fitted = fit_curve(points, closed, sigma=sigma)
+    assert fitted.deviation <= fitted.noise
+    assert furthest(points, fitted) <= fitted.deviation + 0.002
+    assert sigma is None or fitted.noise <= max(5 * sigma, 5e-5 * np.ptp(points, axis=0).max()) * (1 + 1e-9)
+
+
+@pytest.mark.parametrize("name", ["window", "space_curve"])
+def test_a_rigid_motion_moves_the_curve(name):
+    points, m = drawings.noisy(getattr(drawings, name)(), 0.01), drawings.motion()
+    here, there = fit_curve(points), fit_curve(drawings.moved(points, m))
+    assert kinds(here) == kinds(there)
+    expected = [p.moved(m) for p in here.primitives]
+    for p, q in zip(expected, there.primitives):
+        assert p.beziers() == pytest.approx(q.beziers(), abs=1e-3)
+
+
+@pytest.mark.parametrize("name", ["window", "pointed_arch"])
+def test_the_other_way_round_it_is_the_same_curve(name):
+    points = drawings.noisy(getattr(drawings, name)(), 0.005)
+    here, back = fit_curve(points), fit_curve(points[::-1])
+    assert kinds(here) == kinds(back)[::-1]
+    for p, q in zip(here.primitives, reversed(back.primitives)):
+        assert p.beziers() == pytest.approx(q.reversed().beziers(), abs=0.02)
+
+
+def test_scale_changes_nothing():
+    points = drawings.noisy(drawings.window(), 0.01)
+    assert kinds(fit_curve(points)) == kinds(fit_curve(points * 1e4)) == kinds(fit_curve(points * 1e-4))
+
+
+def test_corners_that_smoothing_rounded_are_corners_again():
+    from scipy.ndimage import gaussian_filter1d
+
+    rounded = gaussian_filter1d(drawings.rectangle(step=0.05), 3, axis=0, mode="wrap")
+    fitted = fit_curve(drawings.noisy(rounded, 0.005), True, sigma=0.005, blur=0.15)
+    assert kinds(fitted) == ["line"] * 4
+    assert cKDTree(corners(fitted)).query([[0, 0, 0], [3, 2, 0.0]])[0].max() < 0.01
+    assert fitted.deviation <= fitted.noise <= 0.15
+
+
+def test_curves_that_meet_within_the_noise_share_their_point():
+    arms = [np.linspace([0, 0, 0], end, 60) + off for end, off in
+            [([2, 0, 0], [0, 0.01, 0]), ([0, 2, 0], [0.01, 0, 0]), ([0, 0, 2.0], [0, 0.012, 0])]]  # fmt: skip
+    apart = np.linspace([0.5, 0.5, 0], [2, 2, 0.0], 60)
+    fitted = fit_curves([*(drawings.noisy(a, 0.01, i) for i, a in enumerate(arms)), apart], [False] * 4, sigma=0.01)
+    starts = [f.primitives[0].start for f in fitted]
+    assert (starts[0] == starts[1]).all() and (starts[0] == starts[2]).all()
+    assert not np.allclose(starts[3], starts[0])
+    assert all(f.deviation <= f.noise for f in fitted)
+
+
+@pytest.mark.parametrize(
+    "points, closed, expected",
+    [
+        (np.zeros((0, 3)), False, []),
+        (np.zeros((1, 3)), False, []),
+        (np.zeros((5, 3)), True, []),
+        ([[0, 0, 0], [1, 0, 0]], False, ["line"]),
+        ([[0, 0, 0], [0, 0, 0], [1, 0, 0], [1, 0, 0]], False, ["line"]),
+        ([[0, 0, 0], [1, 0, 0], [1, 3, 0]], False, ["line", "line"]),
+        ([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], True, ["line"] * 4),
+        ([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 0]], True, ["line"] * 4),
+        (np.linspace([0, 0, 0], [1, 2, 3], 500), False, ["line"]),
+    ],
+)
+def test_small_and_repeated_points(points, closed, expected):
+    fitted = fit_curve(np.array(points, float), closed)
+    assert kinds(fitted) == expected
+    assert_joined(fitted)
+
+
+def test_bad_points_are_refused():
+    with pytest.raises(InputError, match="point 1 is not finite"):
+        fit_curve([[0, 0, 0], [np.nan, 0, 0]])
+    with pytest.raises(InputError, match="three coordinates"):
+        fit_curve([[0, 0], [1, 1]])
+    with pytest.raises(InputError, match="noise of -1"):
+        fit_curve(drawings.circle(), True, sigma=-1)
+
+
+def test_the_points_given_stay_as_they_were():
+    points = drawings.window()
+    before = points.copy()
+    fit_curve(points)
+    assert (points == before).all()
