@@ -3,12 +3,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..values import Completion, Curves
+from ..values import CompletedCurve, Completion, Curves
 from .fit import FittedCurve, fit_curves
 
 RAYLEIGH = 1.1774
@@ -49,6 +49,27 @@ def fit_completion(completion: Completion, curves: Curves, *, smoothing: float =
         return tuple(fit_curves([c.points for c in group], [c.closed for c in group], **options))
 
     return FittedCompletion(tuple(fitted(t.curves) for t in completion.templates), fitted(completion.strong), sigma)
+
+
+@dataclass(frozen=True)
+class DrawnCurve(CompletedCurve):
+    """A completed curve that knows its primitives, in its own space."""
+
+    primitives: tuple = ()
+
+
+def drawn(completion: Completion, fitted: FittedCompletion) -> Completion:
+    """The completion with a DrawnCurve for each of its curves: what drawings are written from."""
+
+    def of(curves, fits):
+        return tuple(DrawnCurve(c.points, c.closed, c.component, c.support, f.primitives) for c, f in zip(curves, fits))
+
+    templates = zip(completion.templates, fitted.templates)
+    return replace(
+        completion,
+        templates=tuple(replace(t, curves=of(t.curves, fits)) for t, fits in templates),
+        strong=of(completion.strong, fitted.strong),
+    )
 
 
 def scene_noise(completion: Completion, curves: Curves) -> float:

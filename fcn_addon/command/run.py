@@ -65,10 +65,13 @@ def _run(options, terminal):
                 f"{reading.count} curves, {len(reading.curves.points)} points, edge length {edge_length:.4g} ({origin})"
             )
             completion = _complete(reading.curves, edge_length, parameters, terminal)
-            document = _report(completion, reading, parameters, seconds)
+            fitted = _fitted(completion, reading, parameters)
+            document = _report(completion, reading, parameters, seconds, fitted)
             document["left_out"] = given.left_out
             document["detection"] = writing.described(detected, detection, kinds)
-            writing.write(completion, document, reading, wanted, outputs, _name(options), given.shift)
+            writing.write(
+                completion, document, reading, wanted, outputs, _name(options), given.shift, fitted=fitted
+            )  # fmt: skip
             said = writing.summary_line(document)
     terminal.say(said + writing.written(wanted))
 
@@ -150,12 +153,18 @@ def _complete(curves, edge_length, parameters, terminal):
     return complete(curves, edge_length=edge_length, parameters=parameters, progress=terminal.progress)
 
 
-def _report(completion, reading, parameters, seconds):
+def _fitted(completion, reading, parameters):
+    from ...core.fitting import fit_completion
+
+    return fit_completion(completion, reading.curves, smoothing=parameters.smoothing)
+
+
+def _report(completion, reading, parameters, seconds, fitted):
     from ...core.report import report
 
     return report(
-        completion, reading.curves, version=installation.version(), parameters=parameters, count=reading.count,
-        shares=reading.shares, seconds=seconds,
+        completion, reading.curves, version=installation.version(), parameters=parameters, fitted=fitted,
+        count=reading.count, shares=reading.shares, seconds=seconds,
     )  # fmt: skip
 
 

@@ -94,11 +94,11 @@ def _suffix(path) -> str:
     return Path(path).suffix.lower()
 
 
-def write(completion, document, reading, wanted, outputs, name, shift=None):
-    """Everything that is asked for of a completed network."""
+def write(completion, document, reading, wanted, outputs, name, shift=None, *, fitted):
+    """Everything that is asked for of a completed network; `fitted` has its curves as primitives."""
     began = time.perf_counter()
     if "curves" in wanted:
-        _write_curves(completion, document, reading.units, outputs.part(wanted["curves"]))
+        _write_curves(completion, fitted, document, reading.units, outputs.part(wanted["curves"]))
     if "figure" in wanted:
         figure().draw(document, reading.curves, outputs.part(wanted["figure"]))
     if "out" in wanted:
@@ -110,11 +110,13 @@ def write(completion, document, reading, wanted, outputs, name, shift=None):
         Path(outputs.part(wanted["report"])).write_text(json.dumps(document), encoding="utf-8")
 
 
-def _write_curves(completion, document, units, path):
+def _write_curves(completion, fitted, document, units, path):
     if _suffix(path) != ".obj":
         from ...core.files.writers.plan import plan_of
+        from ...core.fitting import drawn
 
-        _write_plan(plan_of(completion, {"template": colours.TEMPLATE, "strong": colours.STRONG}), path, units)
+        layers = {"template": colours.TEMPLATE, "strong": colours.STRONG}
+        _write_plan(plan_of(drawn(completion, fitted), layers), path, units)
         return
     from ...core.files.writers.obj import write_obj
 

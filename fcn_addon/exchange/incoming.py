@@ -8,15 +8,28 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ...core.files.formats import read_curves
+from ...core.files.formats import FORMATS, read_curves
 from .. import colours
+from ..installation import require_scipy
+from ..scene import origin
 from ..scene.curve_data import EDGE_LENGTH, STRENGTH, mesh_data
+from ..shifts import moved_curves
 
 
 def add(context, path):
-    """The curves of a file (.txt of CGAL or CrestCODE, .obj, .ply) as a selected edge mesh. Raises InputError."""
+    """The curves of a file as a selected edge mesh, near the origin of the scene where that is shifted.
+
+    Raises InputError.
+    """
+    require_scipy()
     reading = read_curves([path])
-    return add_curves(context, Path(path).stem, reading.curves, reading.edge_length)
+    curves = moved_curves(reading.curves, -origin.of(context.scene))
+    return add_curves(context, Path(path).stem, curves, reading.edge_length)
+
+
+def patterns() -> str:
+    """The names of files that can hold curves, for Blender's file browser."""
+    return ";".join(sorted(f"*{ending}" for form in FORMATS if form.read_curves for ending in form.endings))
 
 
 def add_curves(context, name, curves, edge_length=None):

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is visible of a result as files: polylines as OBJ, the poses of all occurrences as CSV."""
+"""What is visible of a result as files: polylines as OBJ, the poses of all occurrences as CSV.
+
+Files have world coordinates: those of the scene and its shift.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +13,7 @@ import numpy as np
 from ...core.errors import InputError
 from ...core.files.writers.obj import write_obj
 from ..result import one_object, selection
+from ..scene import origin
 from ..scene.curve_data import spline_points
 
 
@@ -28,7 +32,7 @@ def write(path, root, form):
 
 
 def chains(objects, step):
-    """(points (k, 3) float64 in the world, closed, the object) of every curve; points at most `step` apart on arcs."""
+    """(points (k, 3) float64 in the scene, closed, the object) of every curve; points at most `step` apart on arcs."""
     for item in objects:
         matrix = np.array(item.matrix_world, float)
         for points, closed in _of_mesh(item.data) if item.type == "MESH" else _of_curve(item.data, step):
@@ -48,7 +52,8 @@ def _of_mesh(data):
 
 def _obj(path, root, objects):
     found = list(chains(objects, root.fcn_result.edge_length))
-    write_obj(path, [p for p, _, _ in found], [c for _, c, _ in found], [o.name.replace(" ", "_") for *_, o in found])
+    points, names = [p + origin.of(root) for p, _, _ in found], [o.name.replace(" ", "_") for *_, o in found]
+    write_obj(path, points, [c for _, c, _ in found], names)
     return len(found)
 
 
@@ -63,9 +68,10 @@ def _csv(path, root, objects):
         for item in holders:
             supports = [part["support"] for part in item.children if "support" in part]
             matrix = np.array(item.matrix_world, float)
+            matrix[:3, 3] += origin.of(root)
             support = sum(supports) / max(len(supports), 1)
             name = rows.get(item["template"], item["template"])
-            values = [f"{v:.9g}" for v in (support, *matrix[:3, 3], *matrix[:3].ravel())]
+            values = [f"{v:.12g}" for v in (support, *matrix[:3, 3], *matrix[:3].ravel())]
             table.writerow([name, item["occurrence"] + 1, *values])
     return len(holders)
 

@@ -15,13 +15,13 @@ from ..base import LEAVE_EDIT_MODE, Polled
 
 
 class FCN_OT_import_curves(Polled, bpy.types.Operator, ImportHelper):
-    """Import feature curves: ridge lines of CGAL or CrestCODE (.txt), lines of .obj, edges of .ply"""
+    """Import feature curves: ridge lines of CGAL or CrestCODE (.txt), lines of .obj and .dxf, edges of .ply"""
 
     bl_idname = "fcn.import_curves"
     bl_label = "Import Feature Curves"
     bl_options = {"REGISTER", "UNDO"}
 
-    filter_glob: StringProperty(default="*.txt;*.obj;*.ply", options={"HIDDEN"})
+    filter_glob: StringProperty(default=incoming.patterns(), options={"HIDDEN"})
 
     @classmethod
     def why_not(cls, context):

@@ -70,3 +70,19 @@ def test_the_example_is_the_same_every_time_and_can_be_run(bpy, part):
     assert task.edge_length == pytest.approx(0.05) and len(task.reading.curves) > 30
     scan = bpy.data.objects["Example Scan"]
     assert len(scan.data.polygons) > 10_000
+
+
+def test_a_shifted_scene_meets_files_at_world_coordinates(bpy, made, part, tmp_path):
+    shift, origin = np.array([4.5e5, 5.4e6, 100.0]), part("fcn_addon.scene.origin")
+    bpy.ops.fcn.export_curves(filepath=str(tmp_path / "near.obj"), form="OBJ")
+    origin.keep(made, shift)
+    origin.keep(bpy.context.scene, shift)
+    bpy.ops.fcn.export_curves(filepath=str(tmp_path / "far.obj"), form="OBJ")
+    bpy.ops.fcn.export_curves(filepath=str(tmp_path / "far.csv"), form="CSV")
+    read = part("core.files.formats").read_lines
+    near, far = (read(tmp_path / name).curves.points for name in ("near.obj", "far.obj"))
+    assert np.allclose(far - shift, near, rtol=0, atol=1e-6)
+    with open(tmp_path / "far.csv", newline="") as file:
+        assert min(float(row["y"]) for row in csv.DictReader(file)) > 5.3e6
+    assert bpy.ops.fcn.import_curves(filepath=str(tmp_path / "far.obj")) == {"FINISHED"}
+    assert np.abs(bpy.context.active_object.location).max() < 1000
