@@ -49,7 +49,7 @@ BASIC = ("smoothing", "l0", "s", "link_gap", "epsilon")  # what a user changes f
 def _changed(group, context):
     """Called by Blender: a match is never followed on more strictly than it began."""
     if group.t < group.s:
-        group["t"] = group.s
+        group.t = group.s
     changes.update(group, context)
 
 

@@ -81,7 +81,8 @@ def fill_places(root):
     result.places.clear()
     for item in holders(root, row.ident) if row else ():
         place = result.places.add()
-        place["name"], place["kept"] = item.name, "rejected" not in item
+        place.name = item.name
+        place.kept = "rejected" not in item
         supports = [part[PART] for part in item.children if PART in part]
         place.support = sum(supports) / len(supports) if supports else 0.0
 
@@ -90,7 +91,7 @@ def _kept(place, _context):
     """Called by Blender: take this occurrence out of the result or back in."""
     root = place.id_data
     item = root.all_objects.get(place.name)
-    if item is not None:
+    if item is not None and ("rejected" in item) == place.kept:
         set_rejected(item, not place.kept)
         views.refresh(root)
         count(root)
@@ -135,8 +136,8 @@ def describe(root, completion, names):
     for t, template in enumerate(completion.templates):
         row = root.fcn_result.template_rows.add()
         row.ident = int(template.id)
-        row["name"] = names.get(template.id, f"Template {letters(t)}")
-        row["colour"] = colours.distinct(int(template.id))
+        row.name = names.get(template.id, f"Template {letters(t)}")
+        row.colour = colours.distinct(int(template.id))
         row.count = len(template.occurrences)
         row.support = float(template.evidence.mean()) if template.evidence.size else 0.0
 

@@ -119,7 +119,8 @@ def test_in_edit_mode(panels, bpy, wall):
 def test_a_result(panels, bpy, made):
     said, buttons = panels()
     for text in ("Grid 1: 3 x 2, 6 places", "6   50%", "Template A at 3", "Grid 1: 3 x 2, step 1.8 m, 2.4 m", "40%",
-                 "6 occurrences, 12 curves", "Reject"):  # fmt: skip
+                 "6 occurrences, 12 curves",
+                 "Reject"):  # fmt: skip
         assert text in said, (text, said)
     assert "4 curves of the result" not in said
     bpy.context.scene.fcn.show_source = True
