@@ -6,7 +6,6 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
-
 FACING = 0.7
 """Least cosine between the normals of the surface at a sample and at its image. Noise turns them by 20 degrees; the
 inner and the outer side of a moulding, which runs beside itself, lie farther apart."""

@@ -12,8 +12,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..drafts import Draft, along, explained_samples, seen_share
-from ..network.network import CurveNetwork
 from ..geometry.motions import apply
+from ..network.network import CurveNetwork
 from .thing import Drawer, Drawing
 
 

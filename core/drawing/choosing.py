@@ -42,6 +42,13 @@ PLACES = 6.0
 """Nats for where, in the margin of a thing, a curve of a set of poses of its own may lie: some hundred places at which
 long straight lines can meet by chance."""
 
+HIDDEN = 2.3
+"""Nats that a pose may say against a curve: at one place of ten a whole curve is hidden, or not detected at all. One of
+six windows that lacks its sill has a sill; what half of them lack is another kind."""
+
+SPREAD = 5.0
+"""Edge lengths by which poses must spread in a direction to lie on sides of it (tolerance)."""
+
 TOUCHING = 1.0
 """Nats that a curve must have that touches what is known of the thing."""
 
@@ -170,10 +177,13 @@ def _best_set(seen, ring, p, q, sets, halves, least, price):
     best = None, [], 0.0
     enough = price
     for mine, cost, asked in options:
-        score = point_scores(seen[mine], _rate(seen[mine], p, q), q)
+        # A pose that lacks the whole curve says nothing of how well it is seen where it is.
+        rate = _rate(seen[mine & own] if (mine & own).any() else seen[mine], p, q)
+        score = point_scores(seen[mine], rate, q)
         parts = kept_stretches(score, ring, least, GAP)
         parts = [part for part in parts if len(part) >= SHORTEST and score[part].sum() > 0]
-        total = sum(score[part].sum() for part in parts) - cost
+        away = log_odds(seen[mine], rate, q).sum(axis=1)
+        total = sum(score[part].sum() for part in parts) - cost + np.maximum(-HIDDEN - away, 0).sum()
         if parts and total > best[2]:
             best, enough = (mine, parts, total), asked
     return best if best[2] > enough else (None, [], 0.0)
@@ -190,8 +200,10 @@ def halves_of(poses, points):
         return np.zeros((0, k), bool)
     at = apply(poses, points.mean(axis=0)[None])[:, 0]
     at = at - at.mean(axis=0)
-    order = np.argsort(at @ np.linalg.eigh(at.T @ at)[1], axis=0, kind="stable")
-    rank = np.argsort(order, axis=0, kind="stable")
+    values, axes = np.linalg.eigh(at.T @ at / k)
+    # Across a row all sides are chance.
+    axes = axes[:, values > SPREAD**2]
+    rank = np.argsort(np.argsort(at @ axes, axis=0, kind="stable"), axis=0, kind="stable")
     cut = np.arange(2, k)
     low = rank.T[:, None] < cut[:, None]
     high = rank.T[:, None] >= (k - cut)[:, None]

@@ -15,8 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..geometry.polylines import directions
 from ..geometry.motions import apply
+from ..geometry.polylines import directions
 from .overlay import Overlay, decoys
 
 APART = 12.0

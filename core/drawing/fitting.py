@@ -7,9 +7,9 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ..consolidation.averaging import settle
+from ..geometry.motions import apply, best_rotation, inverse, motion
 from ..geometry.polylines import directions
 from ..network.network import CurveNetwork
-from ..geometry.motions import apply, best_rotation, inverse, motion
 from .evidence import log_odds
 from .overlay import Overlay
 

@@ -9,8 +9,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
-from ..network.network import CurveNetwork
 from ..geometry.motions import apply, inverse
+from ..network.network import CurveNetwork
 
 COARSE = 4.0
 """Tolerance: edge lengths to which the border of a margin is looked at."""

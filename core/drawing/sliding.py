@@ -9,9 +9,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..geometry.polylines import directions
-from ..geometry.polylines import resample_polyline
 from ..geometry.motions import apply, exponential, inverse, screw_velocity
+from ..geometry.polylines import directions, resample_polyline
 from .evidence import seen_by, sightings
 from .overlay import Overlay
 

@@ -79,4 +79,3 @@ def _step(points, targets, lines, hit):
     step[:, :3] *= np.minimum(1, TURN / np.maximum(angle, 1e-12))
     turn = turned(step[:, :3])
     return motion(turn, step[:, 3:] + centre - np.einsum("kij,kj->ki", turn, centre))
-

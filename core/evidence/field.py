@@ -81,7 +81,7 @@ class Field:
         return near
 
     def shown_by(self, probe: Probe, radius=None):
-        """Samples (...,) int32 that show the points of a probe: near, along the same line, facing the same way; or -1."""
+        """Samples (...,) int32 that show a probe's points, or -1: near, along the same line, facing the same way."""
         near = self.nearest(probe.points, radius)
         same = np.abs(np.einsum("...i,...i->...", np.take(self.tangents, near, axis=0), probe.tangents)) > COSINE
         if probe.normals is not None and self.network.normals is not None:
@@ -115,7 +115,9 @@ class Field:
         i, j = tree.query_pairs(14.0, output_type="ndarray").T
         cost = ((self.points[node[i]] - self.points[node[j]]) ** 2).sum(axis=1) + 0.1
         k = len(node)
-        return coo_matrix((np.r_[cost, cost], (np.r_[i, j], np.r_[j, i])), shape=(k, k)).tocsr(), tree.query(self.points)[1]
+        return coo_matrix((np.r_[cost, cost], (np.r_[i, j], np.r_[j, i])), shape=(k, k)).tocsr(), tree.query(
+            self.points
+        )[1]
 
     def watershed(self, label):
         """(n,) int64, for each sample the label of the labelled sample that is nearest through the network.

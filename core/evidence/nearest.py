@@ -70,7 +70,7 @@ class NearestTable:
         return top
 
     def look_up(self, points):
-        """Samples (...,) int32 near points (..., 3), the nearest to about a voxel; any or -1 where all are out of reach."""
+        """Samples (...,) int32 near points (..., 3), nearest to about a voxel; any or -1 where none is in reach."""
         at = (points - self.low) * (1 / self.voxel)
         outer, inner = np.int32(0), np.int32(0)
         for axis, (stride, side) in enumerate(zip(self.strides.astype(np.int32), (SIDE * SIDE, SIDE, 1))):

@@ -92,8 +92,8 @@ def extended(field: Field, thing: Hypothesis, taken, *, reach) -> Hypothesis | N
 
 
 SHOWN = 0.35, 0.75
-"""Bounds of the share that an occurrence shows. Measured on chosen curves it runs upward; below the lower bound anything
-would be explained."""
+"""Bounds of the share that an occurrence shows. Measured on chosen curves it runs upward; below the lower bound
+anything would be explained."""
 
 
 def _owners(field, thing, taken):

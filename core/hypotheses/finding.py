@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from ..evidence.field import Field
-from .growth import CORE, REACHES, full_grown, grown, started
-from .hypothesis import Hypothesis, explained
+from .growth import REACHES, full_grown, grown, started
+from .hypothesis import explained
 from .seeding import Seeds
 from .significance import expected_by_chance
 from .splitting import split
@@ -65,7 +65,9 @@ def find_things(field: Field, seeds: Seeds, *, significance, tick=lambda: None, 
         thing = split(field, thing, seeds, taken)
         dead[s] = True
         expected = expected_by_chance(field, thing)
-        log(f"    thing: {len(thing)} poses, {len(thing.points)} points, gain {thing.gain:.0f}, shown {thing.shown:.2f}, E {expected:.2g}")
+        log(
+            f"thing: {len(thing)} poses, {len(thing.points)} points, gain {thing.gain:.0f}, E {expected:.2g}"
+        )
         if len(thing) < 2 or expected > significance:
             failures += 1
             continue

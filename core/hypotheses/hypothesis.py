@@ -91,7 +91,9 @@ def pose_scores(field: Field, thing: Hypothesis, poses, owned, *, beside=None):
     terms = log_odds(hit, p, q) * (SPACING / UNIT)
     terms[hit & owned[near]] = 0
     if beside is not None and len(beside):
-        base = beside[np.linalg.norm(thing.centres(poses)[:, None] - thing.centres(beside)[None], axis=2).argmin(axis=1)]
+        base = beside[
+            np.linalg.norm(thing.centres(poses)[:, None] - thing.centres(beside)[None], axis=2).argmin(axis=1)
+        ]
         terms[sliding(field, between(poses, base), thing.probe.moved(base))] = 0
     return terms.sum(axis=1), terms, near
 

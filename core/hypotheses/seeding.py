@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Seeds: matches of Feature BLAST, each refined on its own neighbourhood, and what tells for each.
 
-No pair is ranked away by the whole scene: a match is asked on the curves around it alone. A seed is evidence for growth,
-not a decision.
+No pair is ranked away by the whole scene: a match is asked on the curves around it alone. A seed is evidence for
+growth, not a decision.
 """
 
 from __future__ import annotations
@@ -52,7 +52,9 @@ class Places:
     def __init__(self, field: Field, radii):
         n = field.network
         at = np.arange(len(field)) - n.offsets[:-1][n.curve_of]
-        self.sample = np.flatnonzero((at % EVERY == EVERY // 2) | ((at == 0) & (np.diff(n.offsets)[n.curve_of] <= EVERY // 2)))
+        self.sample = np.flatnonzero(
+            (at % EVERY == EVERY // 2) | ((at == 0) & (np.diff(n.offsets)[n.curve_of] <= EVERY // 2))
+        )
         self.of = cKDTree(field.points[self.sample]).query(field.points)[1]
         self.radii = radii
         self._balls = {}
@@ -62,7 +64,7 @@ class Places:
         return len(self.sample)
 
     def balls(self, places, radius):
-        """(k, POINTS) int64 samples in the balls about places (k,), evenly chosen, nearest first; -1 where there are fewer."""
+        """(k, POINTS) int64 samples in balls about places (k,), evenly chosen, nearest first; -1 where fewer are."""
         if radius not in self._balls:
             lists = self.field.tree.query_ball_point(self.field.points[self.sample], radius)
             table = np.full((len(lists), POINTS), -1)
@@ -108,7 +110,7 @@ def find_seeds(field: Field, matches, *, epsilon, tick=lambda: None):
 
 
 REFINED, SCORED = (12_000, 4), (3_000, 2)
-"""Matches that are refined, and seeds that are scored: in all, and at least at each place; counts that bound the work."""
+"""Matches that are refined, and seeds that are scored: in all, and at least at each place; counts bounding the work."""
 
 
 def _budget(bound, places):
@@ -148,7 +150,8 @@ def _first_of_each(field, motions, source, places, *, shift=3.0, turn=0.1):
     at = field.points[places.sample[places.of[source]]]
     image = np.einsum("kij,kj->ki", motions[:, :3, :3], at) + motions[:, :3, 3]
     key = np.concatenate(
-        [places.of[source][:, None], np.round(image / shift), np.round(motions[:, :3, :3].reshape(-1, 9) / turn)], axis=1
+        [places.of[source][:, None], np.round(image / shift), np.round(motions[:, :3, :3].reshape(-1, 9) / turn)],
+        axis=1,
     )
     _, first = np.unique(key, axis=0, return_index=True)
     return np.sort(first)
@@ -185,7 +188,9 @@ def seed_scores(field: Field, motions, source, places: Places, radii, *, p=0.5, 
     for radius in radii:
         for i in range(0, len(motions), size):
             part = slice(i, i + size)
-            s, e = _ball_scores(field, motions[part], places.balls(places.of[source[part]], radius), places.of[source[part]], places, p)
+            s, e = _ball_scores(
+                field, motions[part], places.balls(places.of[source[part]], radius), places.of[source[part]], places, p
+            )
             better = s > score[part]
             score[part], extent[part] = np.where(better, s, score[part]), np.where(better, e, extent[part])
     return score, extent
@@ -222,6 +227,8 @@ def _length_of_points(field, balls, places, at, radius):
     out = np.ones(len(balls))
     if full.any():
         # Balls that are full were thinned; how far is known from the number of samples within them.
-        inside = field.tree.query_ball_point(field.points[places.sample[at[full]]], np.maximum(radius[full], 1), return_length=True)
+        inside = field.tree.query_ball_point(
+            field.points[places.sample[at[full]]], np.maximum(radius[full], 1), return_length=True
+        )
         out[full] = np.maximum(inside / POINTS, 1.0)
     return out

@@ -18,6 +18,14 @@ from .hypothesis import Hypothesis
 ABOUT, MOST = 8.0, 6
 """Edge lengths about the points within which samples tell, and poses that are asked; the rest counts in proportion."""
 
+SELECTED = 5.0
+"""Log odds that a pose must exceed to tell anything: it was the best of many that were looked at, and the poses of a
+false thing are many, each a little better than chance."""
+
+CHOSEN = 50.0
+"""Edge lengths of the best fragment that count nothing: a match of l0 was chosen there, and chance hits run on for up
+to as much again. A longer fragment that recurs, such as one closed outline, is evidence of its own."""
+
 RATE, SCALE = 0.7, 5.0
 """Things per scene without recurrence whose evidence is above 0, and the scale of its exponential tail, nats; fitted on
 scenes without recurrence (see benchmarks)."""
@@ -29,20 +37,20 @@ def expected_by_chance(field: Field, thing: Hypothesis) -> float:
 
 
 def independent_evidence(field: Field, thing: Hypothesis) -> float:
-    """Log odds of the poses on samples that growth did not choose, without the fragment that made the seed."""
+    """Log odds of the poses on samples that growth did not choose, without what made the seed."""
     centres, total = thing.centres(), 0.0
     asked = min(len(thing), MOST + 1)
     for k in range(1, asked):
         i = int(np.linalg.norm(centres[:k] - centres[k], axis=1).argmin())
         ways = np.array([_one_way(field, thing, thing.poses[a], thing.poses[b]) for a, b in ((i, k), (k, i))])
         rest, lead = ways.mean(axis=0)
-        total += max(0.0, min(rest, 2 * max(lead, 0.0)))
+        total += max(0.0, min(rest, 2 * max(lead, 0.0)) - SELECTED)
     return total * (len(thing) - 1) / max(asked - 1, 1)
 
 
 def _one_way(field, thing, base, pose, p=0.5):
-    """Log odds of the samples about the thing at one pose, moved to another: without the best fragment's, and less the
-    best decoy's."""
+    """Log odds of the samples about the thing at one pose, moved to another: without what the seed chose of the best
+    fragment, and less the best decoy's."""
     at = thing.points @ base[:3, :3].T + base[:3, 3]
     near = np.flatnonzero(np.isfinite(cKDTree(at).query(field.points, distance_upper_bound=ABOUT)[0]))[::2]
     if not len(near):
@@ -58,4 +66,5 @@ def _one_way(field, thing, base, pose, p=0.5):
     terms = log_odds(hit, p, q) * (2 * field.weights[near] / UNIT * tells)
     _, fragment = np.unique(field.network.curve_of[near], return_inverse=True)
     own = np.bincount(fragment, terms[0])
-    return terms[0].sum() - max(own.max(), 0.0), terms[0].sum() - terms[1:].sum(axis=1).max()
+    chosen = min(max(own.max(), 0.0), CHOSEN / UNIT * np.log(p / LEAST_CHANCE))
+    return terms[0].sum() - chosen, terms[0].sum() - terms[1:].sum(axis=1).max()

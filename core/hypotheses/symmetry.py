@@ -99,4 +99,6 @@ def oriented(field: Field, thing: Hypothesis, taken) -> Hypothesis:
 def replace_frame(probe, back):
     """A probe of the network in a frame; `back` (4, 4) leads from the network to the frame."""
     moved = probe.moved(back[None])
-    return type(probe)(moved.points[0], moved.tangents[0], None if moved.normals is None else moved.normals[0], moved.kind)
+    return type(probe)(
+        moved.points[0], moved.tangents[0], None if moved.normals is None else moved.normals[0], moved.kind
+    )

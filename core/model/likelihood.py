@@ -17,7 +17,7 @@ BREAK = 4
 
 
 def affinities(field: Field, thing, *, t):
-    """(m,) float64, the affinity of each curve of the network under a thing; and (n,) int64, how often each sample recurs.
+    """(m,) float64, the affinity of each curve under a thing; and (n,) int64, how often each sample recurs.
 
     t : edge lengths, as in Algorithm 1
     """

@@ -9,6 +9,14 @@ import numpy as np
 
 from ..geometry.motions import exponential
 
+NEAR, SMALL_TURN = 5.0, 5.0
+"""RMS edge lengths on the thing within which a pose is that of a cell, and degrees within which poses are turned alike
+(tolerances)."""
+
+NEIGHBOURS, PAIRS = 4, 8
+"""Poses about each from which generators are taken, and steps, or translations, that are tried; counts that bound the
+work."""
+
 
 @dataclass(frozen=True)
 class Orbit:

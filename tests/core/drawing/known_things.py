@@ -9,8 +9,8 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d
 from scipy.spatial.transform import Rotation
 
-from core.network.building import build_network
 from core.geometry.motions import apply, motion
+from core.network.building import build_network
 from core.values import Curves
 from tests.core import shapes
 

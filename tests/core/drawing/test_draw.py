@@ -9,9 +9,9 @@ from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
 from core.drawing import draw
+from core.geometry.motions import apply, inverse, motion
 from core.geometry.polylines import resample_polyline
 from core.parameters import Parameters
-from core.geometry.motions import apply, inverse, motion
 from tests.core.drawing import known_things
 
 
