@@ -41,7 +41,7 @@ def find_things(field: Field, seeds: Seeds, *, significance, tick=lambda: None, 
         tried = []
         for s in starts:
             thing = started(field, seeds.motions[s], seeds.source[s])
-            thing = thing and grown(field, thing, seeds, taken, (0.0,))
+            thing = thing and grown(field, thing, seeds, taken, (0.0,), tick)
             if thing is None:
                 dead[s] = True
             else:
@@ -50,7 +50,7 @@ def find_things(field: Field, seeds: Seeds, *, significance, tick=lambda: None, 
         tried.sort(key=lambda x: (-x[0], x[1]))
         best = None
         for _, s, thing in tried[:GROWN]:
-            thing = grown(field, thing, seeds, taken, REACHES)
+            thing = grown(field, thing, seeds, taken, REACHES, tick)
             tick()
             if thing is None or thing.gain <= 0:
                 dead[s] = True
@@ -60,9 +60,9 @@ def find_things(field: Field, seeds: Seeds, *, significance, tick=lambda: None, 
             failures += 1
             continue
         thing, s = best
-        thing = full_grown(field, thing, seeds, taken)
+        thing = full_grown(field, thing, seeds, taken, tick=tick)
         tick()
-        thing = split(field, thing, seeds, taken)
+        thing = split(field, thing, seeds, taken, tick)
         dead[s] = True
         expected = expected_by_chance(field, thing)
         log(

@@ -53,9 +53,10 @@ def started(field: Field, seed_motion, source, *, shown=0.5) -> Hypothesis | Non
     return Hypothesis(probe, chance, poses, np.zeros(2), np.zeros(2), shown)
 
 
-def grown(field: Field, thing: Hypothesis, seeds: Seeds, taken, reaches) -> Hypothesis | None:
+def grown(field: Field, thing: Hypothesis, seeds: Seeds, taken, reaches, tick=lambda: None) -> Hypothesis | None:
     """The thing after a round of growth for each reach (0 keeps its curves); None where it comes to nothing."""
     for reach in reaches:
+        tick()
         if reach:
             thing = extended(field, thing, taken, reach=reach)
             if thing is None:
@@ -69,9 +70,12 @@ def grown(field: Field, thing: Hypothesis, seeds: Seeds, taken, reaches) -> Hypo
     return thing
 
 
-def full_grown(field: Field, thing: Hypothesis, seeds: Seeds, taken, rounds=3) -> Hypothesis:
+def full_grown(
+    field: Field, thing: Hypothesis, seeds: Seeds, taken, rounds=3, tick=lambda: None
+) -> Hypothesis:
     """The thing grown until its poses do not change."""
     for _ in range(rounds):
+        tick()
         wider = extended(field, thing, taken, reach=WIDE)
         if wider is None:
             break
@@ -180,7 +184,7 @@ def rescored(field: Field, thing: Hypothesis, taken) -> Hypothesis:
         score, terms, near = pose_scores(field, thing, pose, owned, beside=known)
         if kept:
             hit, tells = (near[0] >= 0) & (terms[0] > 0), terms[0] != 0
-            if score[0] < thing.cost[k] or hit.sum() < PARTIAL * thing.shown * tells.sum():
+            if score[0] < max(thing.cost[k], ORBIT_POSE) or hit.sum() < PARTIAL * thing.shown * tells.sum():
                 continue
         kept.append(k)
         scores.append(score[0])

@@ -28,12 +28,13 @@ REPEATED, TRIES, FEWEST = 0.2, 3, 12
 """Share of the thing that repeats within it, motions that are tried, and points that must repeat."""
 
 
-def split(field: Field, thing: Hypothesis, seeds: Seeds, taken) -> Hypothesis:
+def split(field: Field, thing: Hypothesis, seeds: Seeds, taken, tick=lambda: None) -> Hypothesis:
     """The smaller thing with more poses that explains more, or the thing itself."""
     if len(thing) < 2:
         return thing
     best = thing
     for motion in _inner_motions(field, thing, seeds)[:TRIES]:
+        tick()
         smaller = _halved(field, thing, motion, seeds, taken)
         if smaller is not None and len(smaller) > len(thing) and smaller.gain - FREE_POSE > best.gain:
             best = smaller
