@@ -9,6 +9,7 @@ from ..evidence.alignment import align
 from ..evidence.field import Field
 from .growth import ORBIT_POSE, PROMINENT, SAME_POSE, accepted, prominence
 from .hypothesis import Hypothesis, explained
+from .significance import evident
 
 
 def with_empty_cells(field: Field, thing: Hypothesis, orbit, others) -> Hypothesis:
@@ -26,4 +27,4 @@ def with_empty_cells(field: Field, thing: Hypothesis, orbit, others) -> Hypothes
     gap = np.linalg.norm(thing.embedded(moved) - thing.embedded(poses), axis=1)
     moved = moved[gap < SAME_POSE]
     moved = moved[prominence(field, thing, moved, owned) >= PROMINENT]
-    return accepted(field, thing, moved, np.full(len(moved), ORBIT_POSE), owned) if len(moved) else thing
+    return evident(field, accepted(field, thing, moved, np.full(len(moved), ORBIT_POSE), owned)) if len(moved) else thing

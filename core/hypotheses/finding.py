@@ -11,7 +11,7 @@ from ..evidence.field import Field
 from .growth import REACHES, full_grown, grown, started
 from .hypothesis import explained
 from .seeding import Seeds
-from .significance import expected_by_chance
+from .significance import evident, expected_by_chance, independent_evidence
 from .splitting import split
 
 STARTS, GROWN, APART = 24, 3, 15.0
@@ -54,15 +54,18 @@ def find_things(field: Field, seeds: Seeds, *, significance, tick=lambda: None, 
             tick()
             if thing is None or thing.gain <= 0:
                 dead[s] = True
-            elif best is None or thing.gain > best[0].gain:
-                best = thing, s
+            else:
+                # What growth did not choose says which is real.
+                evidence = independent_evidence(field, thing)
+                if best is None or evidence > best[2]:
+                    best = thing, s, evidence
         if best is None:
             failures += 1
             continue
-        thing, s = best
+        thing, s, _ = best
         thing = full_grown(field, thing, seeds, taken, tick=tick)
         tick()
-        thing = split(field, thing, seeds, taken, tick)
+        thing = evident(field, split(field, thing, seeds, taken, tick))
         dead[s] = True
         expected = expected_by_chance(field, thing)
         log(

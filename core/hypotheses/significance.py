@@ -37,24 +37,24 @@ def expected_by_chance(field: Field, thing: Hypothesis) -> float:
 
 
 def independent_evidence(field: Field, thing: Hypothesis) -> float:
-    """Log odds of the poses on samples that growth did not choose, without what made the seed."""
+    """Log odds of the poses on samples that growth did not choose, without the fragment that made the seed."""
     centres, total = thing.centres(), 0.0
     asked = min(len(thing), MOST + 1)
     for k in range(1, asked):
         i = int(np.linalg.norm(centres[:k] - centres[k], axis=1).argmin())
         ways = np.array([_one_way(field, thing, thing.poses[a], thing.poses[b]) for a, b in ((i, k), (k, i))])
-        rest, lead = ways.mean(axis=0)
-        total += max(0.0, min(rest, 2 * max(lead, 0.0)) - SELECTED)
+        whole, chosen, lead = ways.mean(axis=0)
+        total += max(0.0, min(whole - chosen, 2 * max(lead, 0.0)) - SELECTED)
     return total * (len(thing) - 1) / max(asked - 1, 1)
 
 
 def _one_way(field, thing, base, pose, p=0.5):
-    """Log odds of the samples about the thing at one pose, moved to another: without what the seed chose of the best
-    fragment, and less the best decoy's."""
+    """Log odds of the samples about the thing at one pose, moved to another: without the best fragment's, and less the
+    best decoy's."""
     at = thing.points @ base[:3, :3].T + base[:3, 3]
     near = np.flatnonzero(np.isfinite(cKDTree(at).query(field.points, distance_upper_bound=ABOUT)[0]))[::2]
     if not len(near):
-        return 0.0, 0.0
+        return 0.0, 0.0, 0.0
     motion = between(pose[None], base[None])
     probe = field.probe(near)
     wrong = decoys(motion, probe.points.mean(axis=0), probe.tangents)[0]
@@ -67,4 +67,22 @@ def _one_way(field, thing, base, pose, p=0.5):
     _, fragment = np.unique(field.network.curve_of[near], return_inverse=True)
     own = np.bincount(fragment, terms[0])
     chosen = min(max(own.max(), 0.0), CHOSEN / UNIT * np.log(p / LEAST_CHANCE))
-    return terms[0].sum() - chosen, terms[0].sum() - terms[1:].sum(axis=1).max()
+    return terms[0].sum(), chosen, terms[0].sum() - terms[1:].sum(axis=1).max()
+
+
+def evident(field: Field, thing: Hypothesis) -> Hypothesis:
+    """The thing with the poses that the samples about it speak for, moved from one of the two nearest other poses.
+
+    That the thing is real does not say that each pose is. A pose must have more than `SELECTED`, and beat its decoys.
+    """
+    centres, kept = thing.centres(), [0]
+    for k in range(1, len(thing)):
+        gap = np.linalg.norm(centres - centres[k], axis=1)
+        gap[k] = np.inf
+        for i in np.argsort(gap, kind="stable")[: min(2, len(thing) - 1)]:
+            ways = np.array([_one_way(field, thing, thing.poses[a], thing.poses[b]) for a, b in ((i, k), (k, i))])
+            total, _, lead = ways.mean(axis=0)
+            if min(total, 2 * lead) > SELECTED:
+                kept.append(k)
+                break
+    return thing if len(kept) == len(thing) else thing.at(np.array(kept))
