@@ -27,4 +27,6 @@ def with_empty_cells(field: Field, thing: Hypothesis, orbit, others) -> Hypothes
     gap = np.linalg.norm(thing.embedded(moved) - thing.embedded(poses), axis=1)
     moved = moved[gap < SAME_POSE]
     moved = moved[prominence(field, thing, moved, owned) >= PROMINENT]
-    return evident(field, accepted(field, thing, moved, np.full(len(moved), ORBIT_POSE), owned)) if len(moved) else thing
+    if not len(moved):
+        return thing
+    return evident(field, accepted(field, thing, moved, np.full(len(moved), ORBIT_POSE), owned))
