@@ -33,7 +33,7 @@ from .evidence import (
 from .homing import at_home
 from .overlay import Overlay
 
-GAP, SHORTEST, NEAR = 8, 5, 0.5
+GAP, SHORTEST, NEAR = 5, 5, 0.5
 """Tolerances: points of the shortest gap that is cut into a curve, points of the shortest curve, and the poses that a
 candidate may be seen at less to be preferred for lying one size of the thing nearer to its core."""
 
