@@ -129,7 +129,8 @@ def fit_circle(samples: Samples) -> Circle | None:
         step, *_ = np.linalg.lstsq(np.c_[out / size[:, None], np.ones(len(p))], size - values[2], rcond=None)
         values = values + step
     centre, radius = np.r_[values[:2], 0.0], float(values[2])
-    turn = np.sign(np.cross(p, np.roll(p, -1, axis=0)).sum())
+    after = np.roll(p, -1, axis=0)
+    turn = np.sign((p[:, 0] * after[:, 1] - p[:, 1] * after[:, 0]).sum())
     start = samples.points[0] - centre
     return Circle(centre, np.array([0.0, 0.0, turn or 1.0]), radius, centre + radius * start / np.linalg.norm(start))
 
