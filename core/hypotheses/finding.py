@@ -10,74 +10,72 @@ import numpy as np
 from ..evidence.field import Field
 from .growth import REACHES, full_grown, grown, started
 from .hypothesis import explained
+from .leading import leading
 from .seeding import Seeds
-from .significance import evident, expected_by_chance, independent_evidence
+from .significance import evident, expected_by_chance
 from .splitting import split
 
-STARTS, GROWN, APART = 24, 3, 15.0
-"""Seeds that are started in each round, those of them that are grown on, and edge lengths by which they must differ;
-counts that bound the work."""
+STARTS, APART = 12, 15.0
+"""Seeds that are grown in each round, and edge lengths by which they must differ; counts that bound the work."""
 
-LEAST_SEED, FAILURES, MOST = 8.0, 4, 40
+LEAST_SEED, FAILURES, MOST = 8.0, 2, 40
 """Log odds of a seed that is started (two independent observations), rounds without a thing after which the search
 ends, and things that are looked for at most."""
 
 
 def find_things(field: Field, seeds: Seeds, *, significance, tick=lambda: None, log=lambda *a: None):
-    """Hypotheses (list) of a scene, and the number of seeds that were never started.
+    """Hypotheses (list) of a scene.
 
     Parameters
     ----------
     significance : E-value up to which a thing is taken
+
+    Notes
+    -----
+    What a seed comes to is seen only when it is full-grown: a small part of a thing has its poses early, and many of
+    them. So all starts of a round are grown to the end, and the one that explains most is taken. Growths that a taken
+    thing does not touch are kept for the next round.
     """
     taken = np.zeros(len(field), bool)
-    dead = np.zeros(len(seeds), bool)
-    found, failures = [], 0
+    lead = leading(field, seeds, tick=tick)
+    dead = np.zeros(len(lead), bool)
+    full, found, failures = {}, [], 0
     while len(found) < MOST and failures < FAILURES:
-        tick()
-        starts = _apart(field, seeds, dead | taken[seeds.source] | taken[seeds.target])
+        starts = _apart(field, lead, dead | taken[lead.source] | taken[lead.target])
         if not len(starts):
             break
-        tried = []
         for s in starts:
-            thing = started(field, seeds.motions[s], seeds.source[s])
-            thing = thing and grown(field, thing, seeds, taken, (0.0,), tick)
-            if thing is None:
-                dead[s] = True
-            else:
-                tried.append((thing.gain, s, thing))
-        tick()
-        tried.sort(key=lambda x: (-x[0], x[1]))
+            if s not in full:
+                full[s] = _full_grown(field, lead, s, seeds, taken, tick)
+                dead[s] = full[s] is None
         best = None
-        for _, s, thing in tried[:GROWN]:
-            thing = grown(field, thing, seeds, taken, REACHES, tick)
+        for s in sorted((s for s in full if not dead[s]), key=lambda s: (-full[s].gain, s)):
+            thing = evident(field, split(field, full[s], seeds, taken, tick))
             tick()
-            if thing is None or thing.gain <= 0:
-                dead[s] = True
-            else:
-                # What growth did not choose says which is real.
-                evidence = independent_evidence(field, thing)
-                if best is None or evidence > best[2]:
-                    best = thing, s, evidence
+            expected = expected_by_chance(field, thing)
+            log(f"thing: {len(thing)} poses, {len(thing.points)} points, gain {thing.gain:.0f}, E {expected:.2g}")
+            dead[s] = True
+            if len(thing) >= 2 and expected <= significance:
+                best = replace(thing, expected=expected)
+                break
         if best is None:
             failures += 1
             continue
-        thing, s, _ = best
-        thing = full_grown(field, thing, seeds, taken, tick=tick)
-        tick()
-        thing = evident(field, split(field, thing, seeds, taken, tick))
-        dead[s] = True
-        expected = expected_by_chance(field, thing)
-        log(
-            f"thing: {len(thing)} poses, {len(thing.points)} points, gain {thing.gain:.0f}, E {expected:.2g}"
-        )
-        if len(thing) < 2 or expected > significance:
-            failures += 1
-            continue
-        found.append(replace(thing, expected=expected))
-        taken = taken | explained(field, thing)
         failures = 0
+        found.append(best)
+        new = explained(field, best)
+        taken = taken | new
+        full = {s: t for s, t in full.items() if t is not None and not dead[s] and not (explained(field, t) & new).any()}
     return found
+
+
+def _full_grown(field, lead, s, seeds, taken, tick):
+    thing = started(field, lead.motions[s], lead.stretch[s])
+    thing = thing and grown(field, thing, seeds, taken, (0.0, *REACHES), tick)
+    if thing is None or thing.gain <= 0:
+        return None
+    thing = full_grown(field, thing, seeds, taken, tick=tick)
+    return thing if len(thing) > 1 and thing.gain > 0 else None
 
 
 def _apart(field, seeds, dead):

@@ -39,9 +39,9 @@ TRIED, FINE, SAMPLED, CLOSURES = 1_500, 150, 120, 16
 closures are formed; counts that bound the work."""
 
 
-def started(field: Field, seed_motion, source, *, shown=0.5) -> Hypothesis | None:
-    """The thing of one seed: the samples about its source that the motion takes onto the network."""
-    ball = np.array(field.tree.query_ball_point(field.points[source], CORE))
+def started(field: Field, seed_motion, stretch, *, shown=0.5) -> Hypothesis | None:
+    """The thing of one seed: the samples about its stretch that the motion takes onto the network."""
+    ball = np.unique(np.concatenate(field.tree.query_ball_point(field.points[stretch], CORE))).astype(np.int64)
     probe = field.probe(ball)
     ball = ball[field.targets(seed_motion[None], probe)[0] >= 0]
     if len(ball) < 8:

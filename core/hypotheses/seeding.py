@@ -7,7 +7,7 @@ growth, not a decision.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -21,6 +21,9 @@ from ..geometry.motions import inverse
 POINTS = 64
 """Points that stand for the neighbourhood of a seed; count that bounds the work."""
 
+STRETCH = 9
+"""Samples that stand for a stretch, its middle among them; count that bounds the work."""
+
 EVERY = 6
 """Samples of a curve from one place of seeds to the next (count that bounds the work)."""
 
@@ -30,12 +33,14 @@ class Seeds:
     """Motions that may recur, each known about one place. Both directions of a match are seeds.
 
     motions : (k, 4, 4); source, target : (k,) int64, samples at the middle of the two stretches
-    score : (k,) float64, log odds of the best ball about the source; extent : (k,) float64, its radius
+    stretch : (k, STRETCH) int64, samples along the stretch that is moved
+    score : (k,) float64, log odds of the best region about the source; extent : (k,) float64, how far it reaches
     """
 
     motions: np.ndarray
     source: np.ndarray
     target: np.ndarray
+    stretch: np.ndarray
     score: np.ndarray
     extent: np.ndarray
 
@@ -43,7 +48,7 @@ class Seeds:
         return len(self.source)
 
     def take(self, which) -> Seeds:
-        return Seeds(*(getattr(self, n)[which] for n in ("motions", "source", "target", "score", "extent")))
+        return Seeds(*(getattr(self, f.name)[which] for f in fields(self)))
 
 
 class Places:
@@ -83,14 +88,16 @@ def find_seeds(field: Field, matches, *, epsilon, tick=lambda: None):
 
     Each place has a budget of its own, so that a part with very many matches, such as a comb, leaves the others theirs.
     """
-    motions, source, target, weight = _middles(field, matches)
+    motions, source_along, target_along, weight = _stretches(field, matches)
+    source, target = source_along[:, STRETCH // 2], target_along[:, STRETCH // 2]
     places = Places(field, (25.0, 50.0))
     order = np.argsort(-weight, kind="stable")
     # Equal votes once: the same motion at the same place.
     order = order[_first_of_each(field, motions[order], source[order], places)]
-    kept = order[_best_of_places(places, source[order], target[order], _budget(REFINED, len(places)))]
+    kept = order[best_of_places(places, source[order], target[order], budget(REFINED, len(places)))]
     left_out = len(order) - len(kept)
     motions, source, target = motions[kept], source[kept], target[kept]
+    source_along, target_along = source_along[kept], target_along[kept]
     tick()
     motions = _refined(field, motions, source, places, 12.0, (3 * epsilon, 1.75 * epsilon, epsilon))
     tick()
@@ -98,26 +105,27 @@ def find_seeds(field: Field, matches, *, epsilon, tick=lambda: None):
     raw = _raw_score(field, motions, source, places)
     order = np.argsort(-raw, kind="stable")
     order = order[_first_of_each(field, motions[order], source[order], places)]
-    order = order[_best_of_places(places, source[order], target[order], _budget(SCORED, len(places)))]
+    order = order[best_of_places(places, source[order], target[order], budget(SCORED, len(places)))]
     motions, source, target = motions[order], source[order], target[order]
+    stretch = np.concatenate([source_along[order], target_along[order]])
     tick()
     motions, source, target = np.concatenate([motions, inverse(motions)]), np.r_[source, target], np.r_[target, source]
     score, extent = seed_scores(field, motions, source, places, places.radii)
     half = len(order)
     order = np.argsort(-(score[:half] + score[half:]), kind="stable")
     both = np.stack([order, order + half], axis=1).ravel()
-    return Seeds(motions, source, target, score, extent).take(both), left_out
+    return Seeds(motions, source, target, stretch, score, extent).take(both), left_out
 
 
 REFINED, SCORED = (12_000, 4), (3_000, 2)
 """Matches that are refined, and seeds that are scored: in all, and at least at each place; counts bounding the work."""
 
 
-def _budget(bound, places):
+def budget(bound, places):
     return max(bound[1], bound[0] // max(places, 1))
 
 
-def _best_of_places(places, source, target, most):
+def best_of_places(places, source, target, most):
     """Indices of motions, best first, of which either end is among the first `most` of its place."""
     keep = np.zeros(len(source), bool)
     for end in (source, target):
@@ -129,18 +137,18 @@ def _best_of_places(places, source, target, most):
     return np.flatnonzero(keep)
 
 
-def _middles(field, matches):
-    """Motions, middle samples of both stretches and weights of all matches, one after the other."""
+def _stretches(field, matches):
+    """Motions, samples along both stretches (k, STRETCH) and weights of all matches, one after the other."""
     n = field.network
     out = []
     for m in matches:
-        half = m.count // 2
+        step = np.round(np.linspace(0, 1, STRETCH) * (m.count - 1)[:, None]).astype(np.int64)
         sides = []
         for side, direction in ((0, 1), (1, m.direction)):
-            at = m.start[:, side] + direction * half
-            size = np.diff(n.offsets)[m.curve[:, side]]
-            at = np.where(n.closed[m.curve[:, side]], at % size, np.clip(at, 0, size - 1))
-            sides.append(n.offsets[m.curve[:, side]] + at)
+            at = m.start[:, side, None] + np.reshape(direction, (-1, 1)) * step
+            size = np.diff(n.offsets)[m.curve[:, side]][:, None]
+            at = np.where(n.closed[m.curve[:, side]][:, None], at % size, np.clip(at, 0, size - 1))
+            sides.append(n.offsets[m.curve[:, side]][:, None] + at)
         out.append((m.motions, *sides, m.affinity * (0.05 + m.stiffness)))
     return tuple(np.concatenate(x) for x in zip(*out))
 
@@ -197,10 +205,24 @@ def seed_scores(field: Field, motions, source, places: Places, radii, *, p=0.5, 
 
 
 def _ball_scores(field, motions, balls, at, places, p):
-    probe = field.probe(np.maximum(balls, 0))
-    there = balls >= 0
     middle = field.points[places.sample[at]]
-    distance = np.linalg.norm(probe.points - middle[:, None], axis=-1)
+    distance = np.linalg.norm(field.points[np.maximum(balls, 0)] - middle[:, None], axis=-1)
+    # Each point stands for an equal share of the curve in the ball.
+    length = _length_of_points(field, balls, places, at, distance.max(axis=1, initial=0, where=balls >= 0))
+    return region_scores(field, motions, balls, distance, length, middle, p)
+
+
+def region_scores(field: Field, motions, samples, distance, length, middle, p=0.5):
+    """Log odds (k,) of motions (k, 4, 4) on the best part of a region, and how far it reaches (k,).
+
+    Parameters
+    ----------
+    samples : (k, m) int64, those of the region in the order in which it grows, -1 where there are fewer
+    distance : (k, m), how far each is; length : (k,), edge lengths of curve that each stands for; middle : (k, 3)
+    p : the share of a thing that an occurrence shows
+    """
+    probe = field.probe(np.maximum(samples, 0))
+    there = samples >= 0
     hit = field.shown_by(probe.moved(motions)) >= 0
     wrong = decoys(motions, middle, probe.tangents)
     chance = np.stack([field.shown_by(probe.moved(wrong[:, d])) >= 0 for d in range(wrong.shape[1])])
@@ -208,10 +230,8 @@ def _ball_scores(field, motions, balls, at, places, p):
     prior = 6.0
     q = (chance.sum(axis=0) + prior * np.maximum(mean, LEAST_CHANCE)[:, None]) / (len(chance) + prior)
     q = np.clip(q, 0.02, p - 0.05)
-    # Each point stands for an equal share of the curve in the ball.
-    total = distance.max(axis=1, initial=0, where=there)
     tells = there & ~sliding(field, motions, probe)
-    weight = tells * _length_of_points(field, balls, places, at, total)[:, None] / UNIT
+    weight = tells * length[:, None] / UNIT
     run = np.cumsum(log_odds(hit, p, q) * weight, axis=1)
     best = run.argmax(axis=1)
     rows = np.arange(len(motions))
