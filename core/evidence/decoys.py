@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..geometry.motions import motion
-from .screws import turned
+from ..geometry.motions import motion, skew
+from .screws import moment, turned
 
 SHIFT, AWAY, TURN = 7.0, (7.0, 13.0), (4.0, 8.0)
 """Edge lengths of the shifts along the main directions; edge lengths and degrees of the others (numerical: well beyond
@@ -19,6 +19,34 @@ what an alignment corrects, well within the size of a thing)."""
 
 SHIFTS, OTHERS = 6, 6
 """Decoys of a pose of either kind; counts."""
+
+
+def slipped(poses, points, tangents):
+    """(k, 2, 4, 4), poses (k, 4, 4) moved either way along the screw motion that keeps the curves on themselves best.
+
+    points, tangents : (m, 3), of the curves in the frame that the poses move
+
+    Notes
+    -----
+    A line, a circle and a helix slip along themselves: where one of them is seen, it is seen at every other place of
+    the same curve (slippable motions: Gelfand and Guibas 2004). The least speed across the curves for the speed at all
+    is an eigenvalue of 6 x 6 matrices.
+    """
+    centre = points.mean(axis=0)
+    off = points - centre
+    size = max(np.sqrt((off**2).sum(axis=1).mean()), 1e-9)
+    speed = np.concatenate([-skew(off / size), np.broadcast_to(np.eye(3), (len(off), 3, 3))], axis=2)
+    across = speed - tangents[:, :, None] * np.einsum("mi,mij->mj", tangents, speed)[:, None]
+    total = np.einsum("mij,mik->jk", speed, speed) + 1e-3 * len(off) * np.eye(6)
+    root = np.linalg.inv(np.linalg.cholesky(total))
+    values, ways = np.linalg.eigh(root @ np.einsum("mij,mik->jk", across, across) @ root.T)
+    way = root.T @ ways[:, 0]
+    way *= SHIFT / np.sqrt(way @ total @ way / len(off))
+    # About the centre of the points.
+    w = way[:3] / size
+    u = way[3:] - np.cross(w, centre)
+    slips = moment(np.stack([w, -w]), np.stack([u, -u]))
+    return poses[:, None] @ slips[None]
 
 
 def decoys(poses, centre, tangents, *, seed=0):

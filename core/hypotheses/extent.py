@@ -123,7 +123,7 @@ def _representatives(probe: Probe, pose_of):
     seen = np.unique(i * (pose_of.max() + 1) + pose_of[j])
     poses_near = np.bincount(seen // (pose_of.max() + 1), minlength=m)
     count = np.bincount(i, minlength=m)
-    chosen = _spread(probe.points, poses_near + 1e-3 * count, SPACING)
+    chosen = spread(probe.points, poses_near + 1e-3 * count, SPACING)
     place = np.full(m, -1)
     place[chosen] = np.arange(len(chosen))
     use = place[i] >= 0
@@ -136,7 +136,7 @@ def _representatives(probe: Probe, pose_of):
     return replace(fine, points=fine.points + mean / np.bincount(row, minlength=len(chosen))[:, None])
 
 
-def _spread(points, key, radius):
+def spread(points, key, radius):
     """Indices of a set of points none of which is within the radius of another, the greatest key first."""
     pairs = cKDTree(points).query_pairs(radius, output_type="ndarray")
     rank = np.empty(len(points), np.int64)

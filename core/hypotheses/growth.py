@@ -9,11 +9,11 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ..evidence.alignment import align
-from ..evidence.decoys import SHIFTS, decoys
+from ..evidence.decoys import SHIFTS, decoys, slipped
 from ..evidence.field import Field
 from ..evidence.odds import LEAST_CHANCE
 from ..geometry.motions import inverse
-from .extent import _spread, chance_of, extended
+from .extent import spread, chance_of, extended
 from .hypothesis import SPACING, Hypothesis, distinct, explained, pose_scores
 from .seeding import Seeds
 from .symmetry import oriented
@@ -46,7 +46,7 @@ def started(field: Field, seed_motion, stretch, *, shown=0.5) -> Hypothesis | No
     ball = ball[field.targets(seed_motion[None], probe)[0] >= 0]
     if len(ball) < 8:
         return None
-    ball = np.sort(ball)[_spread(field.points[np.sort(ball)], np.zeros(len(ball)), SPACING)]
+    ball = np.sort(ball)[spread(field.points[np.sort(ball)], np.zeros(len(ball)), SPACING)]
     probe = field.probe(ball)
     poses = np.stack([np.eye(4), seed_motion])
     chance = np.clip(chance_of(field, poses, probe), LEAST_CHANCE, 0.45)
@@ -140,8 +140,9 @@ def accepted(field, thing, poses, cost, owned):
 def prominence(field, thing, poses, owned):
     """(k,) float64, by how much poses (k, 4, 4) beat their own shifts."""
     wrong = decoys(poses, thing.points.mean(axis=0), thing.tangents)[:, :SHIFTS]
+    wrong = np.concatenate([wrong, slipped(poses, thing.points, thing.tangents)], axis=1)
     score = pose_scores(field, thing, poses, owned)[0]
-    beside = pose_scores(field, thing, wrong.reshape(-1, 4, 4), owned)[0].reshape(-1, SHIFTS)
+    beside = pose_scores(field, thing, wrong.reshape(-1, 4, 4), owned)[0].reshape(len(poses), wrong.shape[1])
     return score - beside.max(axis=1)
 
 

@@ -7,20 +7,31 @@ samples near the thing, moved from one pose to the next, chosen or not, against 
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..evidence.decoys import decoys
-from ..evidence.field import Field
+from ..evidence.decoys import OTHERS, SHIFTS, decoys, slipped
+from ..evidence.field import Field, Probe
 from ..evidence.odds import LEAST_CHANCE, UNIT, between, log_odds, sliding
-from .hypothesis import Hypothesis
+from ..geometry.motions import inverse
+from .extent import spread
+from .hypothesis import SPACING, Hypothesis
 
-ABOUT, MOST = 8.0, 6
-"""Edge lengths about the points within which samples tell, and poses that are asked; the rest counts in proportion."""
+ABOUT = 8.0
+"""Edge lengths about the points within which samples tell."""
+
+SHOWN = 0.5
+"""The share of a thing that an occurrence shows, as a test takes it."""
 
 SELECTED = 5.0
 """Log odds that a pose must exceed to tell anything: it was the best of many that were looked at, and the poses of a
 false thing are many, each a little better than chance."""
+
+BLOCK, SURE, LIKELY = 12, 2.0, 1.0
+"""Samples of a curve that lead together, and standard errors by which poses must lead their decoys, which were not
+aligned: all poses of a thing together, and each alone."""
 
 CHOSEN = 50.0
 """Edge lengths of the best fragment that count nothing: a match of l0 was chosen there, and chance hits run on for up
@@ -37,52 +48,109 @@ def expected_by_chance(field: Field, thing: Hypothesis) -> float:
 
 
 def independent_evidence(field: Field, thing: Hypothesis) -> float:
-    """Log odds of the poses on samples that growth did not choose, without the fragment that made the seed."""
-    centres, total = thing.centres(), 0.0
-    asked = min(len(thing), MOST + 1)
-    for k in range(1, asked):
-        i = int(np.linalg.norm(centres[:k] - centres[k], axis=1).argmin())
-        ways = np.array([_one_way(field, thing, thing.poses[a], thing.poses[b]) for a, b in ((i, k), (k, i))])
-        whole, chosen, lead = ways.mean(axis=0)
-        total += max(0.0, min(whole - chosen, 2 * max(lead, 0.0)) - SELECTED)
-    return total * (len(thing) - 1) / max(asked - 1, 1)
-
-
-def _one_way(field, thing, base, pose, p=0.5):
-    """Log odds of the samples about the thing at one pose, moved to another: without the best fragment's, and less the
-    best decoy's."""
-    at = thing.points @ base[:3, :3].T + base[:3, 3]
-    near = np.flatnonzero(np.isfinite(cKDTree(at).query(field.points, distance_upper_bound=ABOUT)[0]))[::2]
-    if not len(near):
-        return 0.0, 0.0, 0.0
-    motion = between(pose[None], base[None])
-    probe = field.probe(near)
-    wrong = decoys(motion, probe.points.mean(axis=0), probe.tangents)[0]
-    hit = field.targets(np.concatenate([motion, wrong]), probe) >= 0
-    prior = 6.0
-    q = (hit[1:].sum(axis=0) + prior * max(hit[1:].mean(), LEAST_CHANCE)) / (len(wrong) + prior)
-    q = np.clip(q, 0.02, p - 0.05)
-    tells = ~sliding(field, motion, type(probe)(probe.points[None], probe.tangents[None]))[0]
-    terms = log_odds(hit, p, q) * (2 * field.weights[near] / UNIT * tells)
-    _, fragment = np.unique(field.network.curve_of[near], return_inverse=True)
-    own = np.bincount(fragment, terms[0])
-    chosen = min(max(own.max(), 0.0), CHOSEN / UNIT * np.log(p / LEAST_CHANCE))
-    return terms[0].sum(), chosen, terms[0].sum() - terms[1:].sum(axis=1).max()
+    """Log odds of the poses but the first, without the fragment of each that may have made the seed."""
+    if len(thing) < 2:
+        return 0.0
+    e = pose_evidence(field, thing)
+    own = (e.total - e.chosen)[1:].sum()
+    return max(0.0, float(min(own, e.worth(slice(1, None), SURE))) - SELECTED * (len(thing) - 1))
 
 
 def evident(field: Field, thing: Hypothesis) -> Hypothesis:
-    """The thing with the poses that the samples about it speak for, moved from one of the two nearest other poses.
+    """The thing with the poses that the other poses speak for: that it is real does not say that each pose is."""
+    if len(thing) < 2:
+        return thing
+    e = pose_evidence(field, thing)
+    worth = np.array([min(e.total[k], e.worth(slice(k, k + 1), LIKELY)) for k in range(len(thing))])
+    kept = np.flatnonzero(worth > SELECTED)
+    if not len(kept):
+        return thing.at(np.zeros(1, int))
+    return thing if len(kept) == len(thing) else thing.at(kept)
 
-    That the thing is real does not say that each pose is. A pose must have more than `SELECTED`, and beat its decoys.
+
+@dataclass(frozen=True)
+class PoseEvidence:
+    """What the others say of each pose of a thing.
+
+    total : (k,) float64, log odds of each pose; chosen : (k,), those of its best fragment, which may have made the seed
+    over : (k, d), by how much each beats its decoys; square : (k, d), the square of the error of that
     """
-    centres, kept = thing.centres(), [0]
-    for k in range(1, len(thing)):
-        gap = np.linalg.norm(centres - centres[k], axis=1)
-        gap[k] = np.inf
-        for i in np.argsort(gap, kind="stable")[: min(2, len(thing) - 1)]:
-            ways = np.array([_one_way(field, thing, thing.poses[a], thing.poses[b]) for a, b in ((i, k), (k, i))])
-            total, _, lead = ways.mean(axis=0)
-            if min(total, 2 * lead) > SELECTED:
-                kept.append(k)
-                break
-    return thing if len(kept) == len(thing) else thing.at(np.array(kept))
+
+    total: np.ndarray
+    chosen: np.ndarray
+    over: np.ndarray
+    square: np.ndarray
+
+    def worth(self, poses, sure):
+        """Twice the lead of some poses together over their decoys, less some standard errors."""
+        return 2 * float((self.over[poses].sum(axis=0) - sure * np.sqrt(self.square[poses].sum(axis=0))).min())
+
+
+def pose_evidence(field: Field, thing: Hypothesis) -> PoseEvidence:
+    """Evidence for each pose of a thing.
+
+    Notes
+    -----
+    All samples within `ABOUT` of the thing at any pose tell, whether growth chose them or not. How often a point is
+    shown is counted at the other poses only, so that no pose speaks for itself.
+    """
+    points, block = _overlay(field, thing)
+    near = field.targets(thing.poses, points)
+    hit = near >= 0
+    others = hit.sum(axis=0) - hit
+    nearest = _nearest_pose(thing)
+    slides = sliding(field, between(thing.poses, thing.poses[nearest]), points.moved(thing.poses[nearest]))
+    tells = (others > 0) & ~slides
+    out = []
+    for k, pose in enumerate(thing.poses):
+        t = tells[k]
+        out.append(_of_pose(field, pose, points.take(t), block[t], near[k, t], others[k, t], len(thing) - 1))
+    return PoseEvidence(*(np.array(x) for x in zip(*out)))
+
+
+def _overlay(field, thing):
+    """Points about SPACING apart in the frame of the thing, of all samples near it at any pose, as a probe; and the
+    block of curve (m,) that each stands in."""
+    n = field.network
+    parts, samples = [], []
+    for pose in thing.poses:
+        at = thing.points @ pose[:3, :3].T + pose[:3, 3]
+        near = np.flatnonzero(np.isfinite(cKDTree(at).query(field.points, distance_upper_bound=ABOUT)[0]))
+        back = inverse(pose)
+        moved = field.probe(near).moved(back[None])
+        parts.append((moved.points[0], moved.tangents[0], None if moved.normals is None else moved.normals[0], moved.kind))
+        samples.append(near)
+    points, tangents, normals, kind = (None if x[0] is None else np.concatenate(x) for x in zip(*parts))
+    samples = np.concatenate(samples)
+    pose = np.repeat(np.arange(len(parts)), [len(p[0]) for p in parts])
+    at = samples - n.offsets[n.curve_of[samples]]
+    _, block = np.unique(np.stack([pose, n.curve_of[samples], at // BLOCK]), axis=1, return_inverse=True)
+    chosen = spread(points, np.zeros(len(points)), SPACING)
+    return Probe(points, tangents, normals, kind).take(chosen), block.ravel()[chosen]
+
+
+def _nearest_pose(thing):
+    gap = np.linalg.norm(thing.centres()[:, None] - thing.centres()[None], axis=2)
+    np.fill_diagonal(gap, np.inf)
+    return gap.argmin(axis=1)
+
+
+def _of_pose(field, pose, points, block, near, shown, others):
+    """Log odds of a pose, those of its best fragment, its lead over each decoy (d,) and the square of its error (d,)."""
+    if not len(points):
+        return 0.0, 0.0, np.zeros(SHIFTS + OTHERS + 2), np.zeros(SHIFTS + OTHERS + 2)
+    wrong = decoys(pose[None], points.points.mean(axis=0), points.tangents)[0]
+    wrong = np.concatenate([wrong, slipped(pose[None], points.points, points.tangents)[0]])
+    missed = field.targets(wrong, points) >= 0
+    prior = 6.0
+    q = (missed.sum(axis=0) + prior * max(missed.mean(), LEAST_CHANCE)) / (len(wrong) + prior)
+    q = np.clip(q, 0.02, SHOWN - 0.05)
+    # A point is the thing's or not; the occurrence that it was taken from says nothing of that.
+    odds = (shown - 1) * np.log(SHOWN / q) + (others - shown) * np.log((1 - SHOWN) / (1 - q))
+    p = q + (SHOWN - q) / (1 + np.exp(-np.clip(odds, -50, 50)))
+    terms = log_odds(np.concatenate([near[None] >= 0, missed]), p, q) * (SPACING / UNIT)
+    _, block = np.unique(block, return_inverse=True)
+    leads = np.array([np.bincount(block, terms[0] - x) for x in terms[1:]])
+    own = np.bincount(field.network.curve_of[near[near >= 0]], terms[0][near >= 0], minlength=1)
+    chosen = min(max(own.max(), 0.0), CHOSEN / UNIT * np.log(SHOWN / LEAST_CHANCE))
+    return terms[0].sum(), chosen, leads.sum(axis=1), (leads**2).sum(axis=1)

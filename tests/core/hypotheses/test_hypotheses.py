@@ -9,7 +9,7 @@ import pytest
 from core.evidence.field import Field
 from core.evidence.odds import UNIT
 from core.geometry.motions import apply
-from core.hypotheses.extent import _spread, along_curves
+from core.hypotheses.extent import along_curves, spread
 from core.hypotheses.finding import find_things
 from core.hypotheses.growth import closures, rescored
 from core.hypotheses.hypothesis import SPACING, Hypothesis, distinct, explained, pose_scores
@@ -79,7 +79,7 @@ def test_a_pose_that_is_there_already_explains_nothing_new(rng):
 
 def test_spread_keeps_points_apart_and_leaves_none_out(rng):
     points = rng.uniform(0, 20, (300, 3))
-    kept = _spread(points, rng.random(300), 4.0)
+    kept = spread(points, rng.random(300), 4.0)
     gap = np.linalg.norm(points[:, None] - points[kept][None], axis=2)
     assert (gap.min(axis=1) <= 4.0).all()
     apart = gap[kept]
