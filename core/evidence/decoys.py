@@ -21,11 +21,11 @@ SHIFTS, OTHERS = 6, 6
 """Decoys of a pose of either kind; counts."""
 
 
-def slipped(poses, points, tangents, there=None):
+def slipped(poses, points, tangents, weight=None):
     """(k, 2, 4, 4), poses (k, 4, 4) moved either way along the screw motion that keeps the curves on themselves best.
 
-    points, tangents : (m, 3) or (k, m, 3), of the curves in the frame that the poses move; there : (k, m) bool, those
-        that count; None takes all
+    points, tangents : (m, 3) or (k, m, 3), of the curves in the frame that the poses move; weight : (k, m), how much
+        each counts; None takes all alike
 
     Notes
     -----
@@ -34,8 +34,8 @@ def slipped(poses, points, tangents, there=None):
     is an eigenvalue of 6 x 6 matrices.
     """
     points, tangents = np.atleast_3d(points.T).T, np.atleast_3d(tangents.T).T  # (1, m, 3) of one for all
-    weight = np.ones(points.shape[:2]) if there is None else there.astype(float)
-    count = np.maximum(weight.sum(axis=1), 1.0)[:, None]
+    weight = np.ones(points.shape[:2]) if weight is None else weight.astype(float)
+    count = np.maximum(weight.sum(axis=1), 1e-3)[:, None]
     centre = np.einsum("km,kmi->ki", weight, points) / count
     off = points - centre[:, None]
     size = np.maximum(np.sqrt(np.einsum("km,kmi,kmi->k", weight, off, off) / count[:, 0]), 1e-9)[:, None]

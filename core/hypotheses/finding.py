@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from ..evidence.field import Field
-from .growth import REACHES, full_grown, grown, started
+from ..transformations.description import saving
+from .growth import CAREFUL, EAGER, REACHES, full_grown, grown, started
 from .hypothesis import explained
 from .leading import leading, scored_widely
 from .seeding import Seeds
@@ -41,19 +42,19 @@ def find_things(field: Field, seeds: Seeds, *, significance, tick=lambda: None, 
     lead = leading(field, seeds, tick=tick)
     dead = np.zeros(len(lead), bool)
     score, stale = lead.score.copy(), np.zeros(len(lead), bool)
-    full, found, failures = {}, [], 0
+    growths, found, failures = {}, [], 0
     while len(found) < MOST and failures < FAILURES:
         score = _fresh(field, lead, score, stale, taken, ~dead, tick)
         starts = _apart(field, lead, score, dead | taken[lead.source] | taken[lead.target])
         if not len(starts):
             break
         for s in starts:
-            if s not in full:
-                full[s] = _full_grown(field, lead, s, seeds, taken, tick)
-                dead[s] = full[s] is None
+            if s not in growths:
+                growths[s] = _full_grown(field, lead, s, seeds, taken, tick)
         best = None
-        for s in sorted((s for s in full if not dead[s]), key=lambda s: (-full[s].gain, s)):
-            thing = evident(field, full[s])
+        rivals = [(saving, s, thing) for s in growths for saving, thing in growths[s]]
+        for _, s, rival in sorted(rivals, key=lambda x: (-x[0], x[1])):
+            thing = evident(field, rival)
             tick()
             expected = expected_by_chance(field, thing)
             if expected <= significance:
@@ -62,11 +63,14 @@ def find_things(field: Field, seeds: Seeds, *, significance, tick=lambda: None, 
                     thing = evident(field, smaller)
                     expected = expected_by_chance(field, thing)
             log(f"thing: {len(thing)} poses, {len(thing.points)} points, gain {thing.gain:.0f}, E {expected:.2g}")
-            dead[s] = True
             if len(thing) >= 2 and expected <= significance:
                 best = replace(thing, expected=expected)
+                dead[s] = True
                 break
+            growths[s] = [x for x in growths[s] if x[1] is not rival]
+        dead[[s for s in growths if not growths[s]]] = True
         if best is None:
+            dead[list(growths)] = True
             failures += 1
             continue
         failures = 0
@@ -74,17 +78,25 @@ def find_things(field: Field, seeds: Seeds, *, significance, tick=lambda: None, 
         new = explained(field, best)
         taken = taken | new
         stale[:] = True
-        full = {s: t for s, t in full.items() if t is not None and not dead[s] and not (explained(field, t) & new).any()}
+        growths = {
+            s: x for s, x in growths.items() if not dead[s] and not any((explained(field, t) & new).any() for _, t in x)
+        }
     return found
 
 
 def _full_grown(field, lead, s, seeds, taken, tick):
-    thing = started(field, lead.motions[s], lead.stretch[s])
-    thing = thing and grown(field, thing, seeds, taken, (0.0, *REACHES), tick)
-    if thing is None or thing.gain <= 0:
-        return None
-    thing = full_grown(field, thing, seeds, taken, tick=tick)
-    return thing if len(thing) > 1 and thing.gain > 0 else None
+    """What a seed comes to: nats that are saved, and the thing, a pair for each price; none where it is nothing."""
+    start = started(field, lead.motions[s], lead.stretch[s])
+    out = []
+    for price in (CAREFUL, EAGER) if start is not None else ():
+        thing = grown(field, start, seeds, taken, (0.0, *REACHES), price=price, tick=tick)
+        if thing is not None and thing.gain > 0:
+            thing = full_grown(field, thing, seeds, taken, price=price, tick=tick)
+            if len(thing) > 1 and thing.gain > 0:
+                out.append((saving(thing), thing))
+        if out and np.median(out[0][1].scores[1:]) > 2 * CAREFUL[0]:
+            break  # Other poses of it would be worth that much, too.
+    return out
 
 
 def _fresh(field, lead, score, stale, taken, alive, tick):

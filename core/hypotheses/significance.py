@@ -37,6 +37,14 @@ CHOSEN = 50.0
 """Edge lengths of the best fragment that count nothing: a match of l0 was chosen there, and chance hits run on for up
 to as much again. A longer fragment that recurs, such as one closed outline, is evidence of its own."""
 
+STRAIGHT = 25.0
+"""Edge lengths of a straight line that tell all there is to tell of it, wherever its pieces lie: lines are many, and
+those that meet at right angles, too."""
+
+FITTED, OFF, BENT, ALONG = 20.0, 2.0, 0.04, 0.85
+"""Edge lengths over which the direction of a line is fitted, edge lengths off it and share of the way along it by which
+a point of it may be off, and least cosine of their directions; tolerances."""
+
 RATE, SCALE = 0.7, 5.0
 """Things per scene without recurrence whose evidence is above 0, and the scale of its exponential tail, nats; fitted on
 scenes without recurrence (see benchmarks)."""
@@ -101,10 +109,11 @@ def pose_evidence(field: Field, thing: Hypothesis) -> PoseEvidence:
     nearest = _nearest_pose(thing)
     slides = sliding(field, between(thing.poses, thing.poses[nearest]), points.moved(thing.poses[nearest]))
     tells = (others > 0) & ~slides
+    weight = _of_lines(points, hit.sum(axis=0) > 1) * (SPACING / UNIT)
     out = []
     for k, pose in enumerate(thing.poses):
         t = tells[k]
-        out.append(_of_pose(field, pose, points.take(t), block[t], near[k, t], others[k, t], len(thing) - 1))
+        out.append(_of_pose(field, pose, points.take(t), block[t], weight[t], near[k, t], others[k, t], len(thing) - 1))
     return PoseEvidence(*(np.array(x) for x in zip(*out)))
 
 
@@ -129,18 +138,36 @@ def _overlay(field, thing):
     return Probe(points, tangents, normals, kind).take(chosen), block.ravel()[chosen]
 
 
+def _of_lines(points, shown):
+    """(m,) float64, how much each point tells: along one straight line all together as much as `STRAIGHT` of it.
+
+    shown : (m,) bool, points that are counted along a line
+    """
+    at, line = points.points, points.tangents
+    gap = at[None, shown] - at[:, None]
+    for reach in (FITTED, np.inf):
+        along = np.einsum("ijk,ik->ij", gap, line)
+        off = np.sqrt(np.maximum(np.einsum("ijk,ijk->ij", gap, gap) - along**2, 0))
+        same = (off < OFF + BENT * np.abs(along)) & (np.abs(line @ points.tangents[shown].T) > ALONG)
+        same &= np.abs(along) < reach
+        if reach == FITTED:
+            # Tangents are noisy: the line is that of the points around.
+            spread_ = np.einsum("ij,ijk,ijl->ikl", same.astype(float), gap, gap) + np.einsum("ik,il->ikl", line, line)
+            line = np.linalg.eigh(spread_)[1][:, :, 2]
+    return np.minimum(1.0, STRAIGHT / (SPACING * np.maximum(same.sum(axis=1), 1)))
+
+
 def _nearest_pose(thing):
     gap = np.linalg.norm(thing.centres()[:, None] - thing.centres()[None], axis=2)
     np.fill_diagonal(gap, np.inf)
     return gap.argmin(axis=1)
 
 
-def _of_pose(field, pose, points, block, near, shown, others):
+def _of_pose(field, pose, points, block, weight, near, shown, others):
     """Log odds of a pose, those of its best fragment, its lead over each decoy (d,) and the square of its error (d,)."""
     if not len(points):
         return 0.0, 0.0, np.zeros(SHIFTS + OTHERS + 2), np.zeros(SHIFTS + OTHERS + 2)
     wrong = decoys(pose[None], points.points.mean(axis=0), points.tangents)[0]
-    wrong = np.concatenate([wrong, slipped(pose[None], points.points, points.tangents)[0]])
     missed = field.targets(wrong, points) >= 0
     prior = 6.0
     q = (missed.sum(axis=0) + prior * max(missed.mean(), LEAST_CHANCE)) / (len(wrong) + prior)
@@ -148,7 +175,10 @@ def _of_pose(field, pose, points, block, near, shown, others):
     # A point is the thing's or not; the occurrence that it was taken from says nothing of that.
     odds = (shown - 1) * np.log(SHOWN / q) + (others - shown) * np.log((1 - SHOWN) / (1 - q))
     p = q + (SHOWN - q) / (1 + np.exp(-np.clip(odds, -50, 50)))
-    terms = log_odds(np.concatenate([near[None] >= 0, missed]), p, q) * (SPACING / UNIT)
+    terms = log_odds(np.concatenate([near[None] >= 0, missed]), p, q) * weight
+    # What speaks for the pose may slip along itself, whatever is around it.
+    slips = slipped(pose[None], points.points, points.tangents, np.maximum(terms[:1], 0))[0]
+    terms = np.concatenate([terms, log_odds(field.targets(slips, points) >= 0, p, q) * weight])
     _, block = np.unique(block, return_inverse=True)
     leads = np.array([np.bincount(block, terms[0] - x) for x in terms[1:]])
     own = np.bincount(field.network.curve_of[near[near >= 0]], terms[0][near >= 0], minlength=1)
