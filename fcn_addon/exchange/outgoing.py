@@ -15,6 +15,7 @@ from ...core.files.writers.obj import write_obj
 from ..result import one_object, selection
 from ..scene import origin
 from ..scene.curve_data import spline_points
+from ..scene.families import children
 
 
 def write(path, root, form):
@@ -60,20 +61,20 @@ def _obj(path, root, objects):
 def _csv(path, root, objects):
     """A row an occurrence: template, number, support, and the upper three rows of its matrix."""
     rows = {row.ident: row.name for row in root.fcn_result.template_rows}
-    holders = selection.holders(objects)
+    families = children(selection.holders(objects))
     with open(path, "w", encoding="utf-8", newline="") as file:
         table = csv.writer(file)
         axes = [f"m{i}{j}" for i in range(1, 4) for j in range(1, 5)]
         table.writerow(["template", "occurrence", "support", "x", "y", "z", *axes])
-        for item in holders:
-            supports = [part["support"] for part in item.children if "support" in part]
+        for item, parts in families.items():
+            supports = [part["support"] for part in parts if "support" in part]
             matrix = np.array(item.matrix_world, float)
             matrix[:3, 3] += origin.of(root)
             support = sum(supports) / max(len(supports), 1)
             name = rows.get(item["template"], item["template"])
             values = [f"{v:.12g}" for v in (support, *matrix[:3, 3], *matrix[:3].ravel())]
             table.writerow([name, item["occurrence"] + 1, *values])
-    return len(holders)
+    return len(families)
 
 
 FORMS = {"OBJ": _obj, "CSV": _csv}
