@@ -47,3 +47,11 @@ def moved_completion(completion, by):
         templates=tuple(replace(t, occurrences=there @ t.occurrences) for t in completion.templates),
         strong=tuple(replace(curve, points=curve.points + by) for curve in completion.strong),
     )
+
+
+def moved_fitted(fitted, by):
+    """A FittedCompletion moved by (3,); templates keep their own space."""
+    motion = np.eye(4)
+    motion[:3, 3] = by
+    strong = (replace(curve, primitives=tuple(p.moved(motion) for p in curve.primitives)) for curve in fitted.strong)
+    return replace(fitted, strong=tuple(strong))

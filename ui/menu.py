@@ -58,11 +58,11 @@ def _draw_editing(self, context):
 
 
 def _draw_import(self, context):
-    self.layout.operator("fcn.import_curves", text="Feature Curves (.txt, .obj, .ply)")
+    self.layout.operator("fcn.import_curves", text="Feature Curves (.txt, .obj, .ply, .dxf)")
 
 
 def _draw_export(self, context):
-    self.layout.operator("fcn.export_curves", text="Feature Curves (.obj, .csv)")
+    self.layout.operator("fcn.export_curves", text="Feature Curves (.obj, .dxf, .svg, .csv)")
 
 
 PLACES = (

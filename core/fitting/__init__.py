@@ -4,6 +4,7 @@
 from .completed import DrawnCurve, FittedCompletion, drawn, fit_completion
 from .fit import FittedCurve, fit_curve, fit_curves
 from .primitives import Arc, Bezier, Circle, Line, dense
+from .recognised import recognised
 
 __all__ = [
     "Arc",
@@ -18,4 +19,5 @@ __all__ = [
     "fit_completion",
     "fit_curve",
     "fit_curves",
+    "recognised",
 ]

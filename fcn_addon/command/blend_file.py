@@ -17,12 +17,13 @@ from ...core.errors import InputError, NoCurves
 from ..detected import edge_mesh
 from ..reading import left_out, reader
 from ..reading.left_out import LeftOut
-from ..result import writer
+from ..result import stored, views, writer
 from ..result.views import ROLE
 from ..scans import Scan
 from ..scene import importers, origin
 from ..scene.libraries import require_libraries
-from ..shifts import moved_completion, moved_curves, shift_for
+from ..scene.units import unit_length
+from ..shifts import moved_completion, moved_curves, moved_fitted, shift_for
 
 GEOMETRY = {*reader.CURVE_TYPES, "MESH", "SURFACE", "META"}
 
@@ -154,19 +155,36 @@ def _show(objects):
     bpy.context.view_layer.update()
 
 
-def write(completion, curves, path, source, shift=None):
-    """Save a result as a .blend file that holds nothing else, about its origin.
+@dataclass(frozen=True)
+class Made:
+    """What is kept of a run on its result: what it was called, its parameters, and what was LeftOut."""
 
+    label: str
+    parameters: object
+    left_out: LeftOut = LeftOut()
+    sources: tuple = ()
+
+
+def write(completion, curves, path, made, shift=None, *, fitted=None):
+    """Save a result as a .blend file that holds nothing else, about its origin: as the window would have made it.
+
+    fitted : FittedCompletion, for curves with handles; dense ones if None
     shift : (3,), where the origin of the scene that the curves come from lies, None for (0, 0, 0); where they are far
         from it, the result gets an origin nearer to them
     """
     shift = _shift(curves.points, shift)
     scene = _empty_scene(shift)
+    completion = moved_completion(completion, -shift)
     root = writer.write(
-        moved_completion(completion, -shift), moved_curves(curves, -shift), source=source, scene=scene
+        completion, moved_curves(curves, -shift), source=made.label, scene=scene,
+        form="DENSE" if fitted is None else "HANDLES",
+        fitted=None if fitted is None else moved_fitted(fitted, -shift),
     )  # fmt: skip
-    origin.keep(root, shift)
-    _save(path)
+    with stored.known():
+        stored.describe(root, completion, made, unit_length(scene))
+        origin.keep(root, shift)
+        views.refresh(root)
+        _save(path)
 
 
 def write_detected(detected, path, source, shift=None):

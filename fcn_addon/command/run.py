@@ -70,7 +70,8 @@ def _run(options, terminal):
             document["left_out"] = given.left_out
             document["detection"] = writing.described(detected, detection, kinds)
             writing.write(
-                completion, document, reading, wanted, outputs, _name(options), given.shift, fitted=fitted
+                completion, document, reading, wanted, outputs, _name(options), given.shift,
+                fitted=fitted, parameters=parameters,
             )  # fmt: skip
             said = writing.summary_line(document)
     terminal.say(said + writing.written(wanted))

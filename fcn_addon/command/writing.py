@@ -94,7 +94,7 @@ def _suffix(path) -> str:
     return Path(path).suffix.lower()
 
 
-def write(completion, document, reading, wanted, outputs, name, shift=None, *, fitted):
+def write(completion, document, reading, wanted, outputs, name, shift=None, *, fitted, parameters):
     """Everything that is asked for of a completed network; `fitted` has its curves as primitives."""
     began = time.perf_counter()
     if "curves" in wanted:
@@ -104,7 +104,8 @@ def write(completion, document, reading, wanted, outputs, name, shift=None, *, f
     if "out" in wanted:
         from . import blend_file
 
-        blend_file.write(completion, reading.curves, outputs.part(wanted["out"]), name, shift)
+        made = blend_file.Made(name, parameters)
+        blend_file.write(completion, reading.curves, outputs.part(wanted["out"]), made, shift, fitted=fitted)
     document["seconds"]["write"] = time.perf_counter() - began
     if "report" in wanted:
         Path(outputs.part(wanted["report"])).write_text(json.dumps(document), encoding="utf-8")

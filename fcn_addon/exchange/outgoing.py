@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is visible of a result as files: polylines as OBJ, the poses of all occurrences as CSV.
+"""What is visible of a result as files: polylines as OBJ, drawings as DXF and SVG, the poses of occurrences as CSV.
 
 Files have world coordinates: those of the scene and its shift.
 """
@@ -7,68 +7,90 @@ Files have world coordinates: those of the scene and its shift.
 from __future__ import annotations
 
 import csv
-
-import numpy as np
+from dataclasses import dataclass
 
 from ...core.errors import InputError
 from ...core.files.writers.obj import write_obj
-from ..result import one_object, selection
+from ..result import one_object
 from ..scene import origin
-from ..scene.curve_data import spline_points
 from ..scene.families import children
+from ..scene.units import dxf_units
+from . import outlines
+
+
+@dataclass(frozen=True)
+class Format:
+    """How one format is written.
+
+    name, words : for the menu
+    thing : what is counted
+    write : (path, root, objects) -> how many there are
+    """
+
+    name: str
+    words: str
+    thing: str
+    write: object
 
 
 def write(path, root, form):
-    """Write the visible curves of a result; how many curves or poses there are. Raises InputError.
+    """Write what is visible of a result; how many curves, strokes or poses there are. Raises InputError.
 
-    form : "OBJ" or "CSV"
+    form : a key of FORMATS
     """
     objects = one_object.visible_curves(root)
     if not objects:
         raise InputError("no completed curve is visible; switch the view to Result")
     try:
-        return FORMS[form](path, root, objects)
+        return FORMATS[form].write(path, root, objects)
     except OSError as error:
         raise InputError(f"{path}: cannot be written ({error.strerror}); check the folder") from None
 
 
-def chains(objects, step):
-    """(points (k, 3) float64 in the scene, closed, the object) of every curve; points at most `step` apart on arcs."""
-    for item in objects:
-        matrix = np.array(item.matrix_world, float)
-        for points, closed in _of_mesh(item.data) if item.type == "MESH" else _of_curve(item.data, step):
-            yield points @ matrix[:3, :3].T + matrix[:3, 3], closed, item
-
-
-def _of_curve(data, step):
-    return [(spline_points(spline, step), spline.use_cyclic_u) for spline in data.splines]
-
-
-def _of_mesh(data):
-    """The one chain of an edge mesh of a result, whose points are in order."""
-    points = np.empty(3 * len(data.vertices), np.float32)
-    data.vertices.foreach_get("co", points)
-    return [(points.reshape(-1, 3).astype(float), len(data.edges) == len(data.vertices))]
-
-
 def _obj(path, root, objects):
-    found = list(chains(objects, root.fcn_result.edge_length))
-    points, names = [p + origin.of(root) for p, _, _ in found], [o.name.replace(" ", "_") for *_, o in found]
-    write_obj(path, points, [c for _, c, _ in found], names)
+    shift, found = origin.of(root), []
+    for item in objects:
+        matrix = outlines.matrix_of(item)
+        for stroke in outlines.strokes(item.data, root.fcn_result.edge_length):
+            points = stroke.points @ matrix[:3, :3].T + matrix[:3, 3] + shift
+            found.append((points, stroke.closed, item.name.replace(" ", "_")))
+    write_obj(path, *zip(*found))
     return len(found)
+
+
+def _dxf(path, root, objects):
+    from ...core.files.writers.dxf import write_dxf
+
+    plan = outlines.plan(root, objects, origin.of(root))
+    write_dxf(path, plan, units=dxf_units(_scene_of(root)))
+    return plan.count
+
+
+def _svg(path, root, objects):
+    from ...core.files.writers.svg import write_svg
+
+    plan = outlines.plan(root, objects, origin.of(root))
+    write_svg(path, plan)
+    return plan.count
+
+
+def _scene_of(root):
+    import bpy
+
+    return next((s for s in bpy.data.scenes if root in s.collection.children_recursive), bpy.context.scene)
 
 
 def _csv(path, root, objects):
     """A row an occurrence: template, number, support, and the upper three rows of its matrix."""
     rows = {row.ident: row.name for row in root.fcn_result.template_rows}
-    families = children(selection.holders(objects))
+    families = children(outlines.occurrences(objects))
     with open(path, "w", encoding="utf-8", newline="") as file:
         table = csv.writer(file)
         axes = [f"m{i}{j}" for i in range(1, 4) for j in range(1, 5)]
         table.writerow(["template", "occurrence", "support", "x", "y", "z", *axes])
         for item, parts in families.items():
             supports = [part["support"] for part in parts if "support" in part]
-            matrix = np.array(item.matrix_world, float)
+            matrix = outlines.matrix_of(item)
             matrix[:3, 3] += origin.of(root)
             support = sum(supports) / max(len(supports), 1)
             name = rows.get(item["template"], item["template"])
@@ -77,4 +99,17 @@ def _csv(path, root, objects):
     return len(families)
 
 
-FORMS = {"OBJ": _obj, "CSV": _csv}
+FORMATS = {
+    "OBJ": Format("Polylines (.obj)", "Every visible curve as one polyline, named after its object", "curve", _obj),
+    "DXF": Format(
+        "Drawing (.dxf)",
+        "Lines, arcs, circles and splines for CAD: a block for each template, an insert for each of its occurrences",
+        "curve", _dxf,
+    ),
+    "SVG": Format(
+        "Picture (.svg)", "The same as seen along the normal of its main plane, for drawing programs", "curve", _svg
+    ),
+    "CSV": Format(
+        "Occurrences (.csv)", "A row for each visible occurrence: its template, support and matrix", "occurrence", _csv
+    ),
+}  # fmt: skip

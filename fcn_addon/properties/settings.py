@@ -12,7 +12,7 @@ from bpy.types import PropertyGroup
 from ...core.parameters import EDGES, Parameters
 from ..detected.kept import FCN_PG_curves
 from ..registration import register_classes, unregister_classes
-from ..result import stored, templates, writer
+from ..result import stored, writer
 from . import changes, from_parameters
 from .detection import FCN_PG_detection
 from .preferences import FCN_AP_preferences
@@ -176,17 +176,17 @@ CLASSES = (
     FCN_PG_detection,
     FCN_PG_curves,
     FCN_PG_parameters,
-    stored.FCN_PG_transformation,
-    templates.FCN_PG_template,
-    templates.FCN_PG_place,
-    stored.FCN_PG_result,
     FCN_PG_settings,
 )
 
 
 def register():
-    register_classes(CLASSES)
-    bpy.types.Collection.fcn_result = PointerProperty(type=stored.FCN_PG_result)
+    stored.register()
+    try:
+        register_classes(CLASSES)
+    except BaseException:
+        stored.unregister()
+        raise
     bpy.types.Object.fcn_curves = PointerProperty(type=FCN_PG_curves)
     bpy.types.Scene.fcn = PointerProperty(type=FCN_PG_settings)
 
@@ -194,5 +194,5 @@ def register():
 def unregister():
     del bpy.types.Scene.fcn
     del bpy.types.Object.fcn_curves
-    del bpy.types.Collection.fcn_result
     unregister_classes(CLASSES)
+    stored.unregister()

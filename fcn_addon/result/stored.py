@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+from contextlib import contextmanager
 from dataclasses import asdict
 
 import bpy
@@ -20,6 +21,7 @@ from bpy.props import (
 from bpy.types import PropertyGroup
 
 from ..detected import scan_lock
+from ..registration import register_classes, unregister_classes
 from ..wording import description, titles
 from . import attributes, templates, views
 
@@ -108,6 +110,32 @@ class FCN_PG_result(PropertyGroup):
         update=views.update,
     )
     active: IntProperty(name="Transformation", description="The transformation that the buttons are about", min=0)
+
+
+CLASSES = (FCN_PG_transformation, templates.FCN_PG_template, templates.FCN_PG_place, FCN_PG_result)
+
+
+def register():
+    register_classes(CLASSES)
+    bpy.types.Collection.fcn_result = PointerProperty(type=FCN_PG_result)
+
+
+def unregister():
+    del bpy.types.Collection.fcn_result
+    unregister_classes(CLASSES)
+
+
+@contextmanager
+def known():
+    """Within, Blender knows what results keep, also where the add-on is not enabled."""
+    before = hasattr(bpy.types.Collection, "fcn_result")
+    if not before:
+        register()
+    try:
+        yield
+    finally:
+        if not before:
+            unregister()
 
 
 def describe(root, completion, run, length, names=None):

@@ -16,3 +16,12 @@ def unit_length(scene):
     return lambda value: bpy.utils.units.to_string(
         units.system, "LENGTH", value * units.scale_length, precision=3, split_unit=False
     )
+
+
+def dxf_units(scene) -> int:
+    """DXF's code of the unit that coordinates of a scene are in: 6 for metres, 0 where it has none that DXF knows."""
+    units = scene.unit_settings
+    if units.system == "NONE":
+        return 0
+    codes = {1.0: 6, 0.001: 4, 0.01: 5, 1000.0: 7, 0.3048: 2, 0.0254: 1}
+    return next((code for size, code in codes.items() if abs(units.scale_length / size - 1) < 1e-5), 0)

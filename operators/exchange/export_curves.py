@@ -18,7 +18,7 @@ from ..base import OnResult
 
 
 class FCN_OT_export_curves(OnResult, bpy.types.Operator, ExportHelper):
-    """Export the visible completed curves as polylines, or where the occurrences are as a table"""
+    """Write the visible completed curves as polylines or as a drawing, or where the occurrences are as a table"""
 
     bl_idname = "fcn.export_curves"
     bl_label = "Export Feature Curves"
@@ -26,13 +26,13 @@ class FCN_OT_export_curves(OnResult, bpy.types.Operator, ExportHelper):
 
     form: EnumProperty(
         name="Format",
-        items=(
-            ("OBJ", "Curves (.obj)", "Every visible curve as one polyline, named after its object"),
-            ("CSV", "Occurrences (.csv)", "A row for each visible occurrence: its template, support and matrix"),
-        ),
+        description="What is written",
+        items=[(key, form.name, form.words) for key, form in outgoing.FORMATS.items()],
     )
     filename_ext = ".obj"
-    filter_glob: StringProperty(default="*.obj;*.csv", options={"HIDDEN"})
+    filter_glob: StringProperty(
+        default=";".join(f"*.{key.lower()}" for key in outgoing.FORMATS), options={"HIDDEN"}
+    )
 
     def check(self, context):
         path = str(Path(self.filepath).with_suffix(f".{self.form.lower()}"))
@@ -45,6 +45,6 @@ class FCN_OT_export_curves(OnResult, bpy.types.Operator, ExportHelper):
         except InputError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        what = counted(count, "curve" if self.form == "OBJ" else "occurrence")
+        what = counted(count, outgoing.FORMATS[self.form].thing)
         self.report({"INFO"}, rpt_("Wrote {what} to {path}").format(what=what, path=self.filepath))
         return {"FINISHED"}

@@ -43,7 +43,8 @@ def test_a_written_result_is_where_it_was_computed(bpy, part, completion, tmp_pa
     extent = np.ptp(truth, axis=0).max()
     wide = part("core.values").Curves.from_list(np.array_split(truth, 4), [False] * 4)
     path = str(tmp_path / "r.blend")
-    part("fcn_addon.command.blend_file").write(completion, wide, path, "wall")
+    blend_file = part("fcn_addon.command.blend_file")
+    blend_file.write(completion, wide, path, blend_file.Made("wall", part("core.parameters").Parameters()))
     bpy.ops.wm.open_mainfile(filepath=path)
     (root,) = bpy.context.scene.collection.children
     shift = origin.of(root)
@@ -51,10 +52,26 @@ def test_a_written_result_is_where_it_was_computed(bpy, part, completion, tmp_pa
     assert np.array_equal(shift, np.round(shift)) and (origin.words(shift) != "") == is_shifted
     assert distance(world(bpy) - truth.mean(axis=0) + shift, truth - truth.mean(axis=0)) < 1e-6 * extent
     # And what is read from it has the shift again.
-    found, _, kept = part("fcn_addon.command.blend_file").read(path, part("fcn_addon.command.blend_file").Choice(
-        objects=("Input",)))  # fmt: skip
+    found, _, kept = blend_file.read(path, blend_file.Choice(objects=("Input",)))
     assert np.array_equal(kept, shift)
     assert distance(found[0].curves.points - wide.points[0], wide.points - wide.points[0]) < 1e-6 * extent
+
+
+def test_curves_with_handles_are_where_they_were_computed_too(bpy, part, completion, tmp_path):
+    shifts, blend_file = part("fcn_addon.shifts"), part("fcn_addon.command.blend_file")
+    wide = part("core.values").Curves.from_list(np.array_split(computed(completion), 4), [False] * 4)
+    fitted = part("core.fitting").fit_completion(completion, wide)
+    far = shifts.moved_completion(completion, UTM), shifts.moved_curves(wide, UTM)
+    made = blend_file.Made("wall", part("core.parameters").Parameters())
+    blend_file.write(*far, str(tmp_path / "r.blend"), made, fitted=shifts.moved_fitted(fitted, UTM))
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "r.blend"))
+    (root,) = bpy.context.scene.collection.children
+    shift = part("fcn_addon.scene.origin").of(root)
+    (strong,) = (o for o in root.all_objects if o.get("occurrence") == -1 and "support" in o)
+    (spline,) = strong.data.splines
+    assert spline.type == "BEZIER"
+    ends = [strong.matrix_world @ spline.bezier_points[i].co for i in (0, -1)]
+    assert np.array(ends) + shift - UTM == pytest.approx(completion.strong[0].points[[0, -1]], abs=2e-3)
 
 
 def test_shifts_are_rounded_and_only_where_they_must_be(part):
@@ -87,8 +104,9 @@ def test_the_origin_of_blendergis_is_respected(bpy, part, completion, curves, wa
     (reading,), _, shift = blend_file.read(str(tmp_path / "a.blend"))
     assert np.allclose(reading.curves.points - shift, curves.points, atol=1e-5) and np.allclose(shift, [*UTM[:2], 0])
     # The result lies where the artist's curves lie.
+    made = blend_file.Made("wall", part("core.parameters").Parameters())
     at_home = part("fcn_addon.shifts").moved_completion(completion, shift)
-    blend_file.write(at_home, reading.curves, str(tmp_path / "r.blend"), "wall", shift)
+    blend_file.write(at_home, reading.curves, str(tmp_path / "r.blend"), made, shift)
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "r.blend"))
     assert distance(world(bpy), computed(completion)) < 1e-4
     assert np.allclose(origin.of(bpy.context.scene), shift, rtol=1e-15)

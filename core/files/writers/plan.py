@@ -45,6 +45,11 @@ class Plan:
     symbols: tuple[Symbol, ...]
     strokes: tuple
 
+    @property
+    def count(self) -> int:
+        """How many strokes are drawn, those of symbols at each of their places."""
+        return len(self.strokes) + sum(len(symbol.strokes) * len(symbol.poses) for symbol in self.symbols)
+
     def placed(self) -> np.ndarray:
         """(n, 3) float64, all points in the world."""
         parts = [s.points for _, s in self.strokes]

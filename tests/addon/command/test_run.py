@@ -36,6 +36,18 @@ def test_everything_it_can_write(folder, fcn, bpy):
     assert "5 curves" in said and "edge length 0.1 (as given)" in said and "wrote r.blend" in said
     bpy.ops.wm.open_mainfile(filepath=str(folder / "r.blend"))
     assert [c.name for c in bpy.context.scene.collection.children] == ["FCN in"]
+    # As the panel would have made it: curves with handles, and a result that can be worked with.
+    root = bpy.context.scene.collection.children[0]
+    parts = [o for o in root.all_objects if "support" in o]
+    assert parts and {s.type for o in parts for s in o.data.splines} == {"BEZIER"}
+    result = root.fcn_result
+    assert result.is_result and [row.name for row in result.template_rows][:1] == ["Template A"]
+    assert result.template_rows[0].count == 4 and result.edge_length == pytest.approx(0.1)
+    item = next(o for o in parts if o["occurrence"] == 2)
+    bpy.context.view_layer.objects.active = item
+    item.select_set(True)
+    assert bpy.ops.fcn.reject_occurrence() == {"FINISHED"}
+    assert root.fcn_result.template_rows[0].count == 3
 
 
 def test_a_blend_file_in_gives_what_its_curves_give(folder, fcn, bpy):
