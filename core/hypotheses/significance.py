@@ -26,8 +26,8 @@ NOISE = (0.5, 0.5), (0.7, 0.7), (0.9, 0.9)
 """What a scene may be like: the share of a thing that an occurrence shows, and the share of what is about it that is
 its own. The likeliest is taken."""
 
-SELECTED = 5.0
-"""Log odds that a pose must exceed to tell anything: it was the best of many that were looked at, and the poses of a
+SELECTED = 7.3
+"""Log odds that a pose must exceed to tell anything: it was the best of 1500 that were looked at, and the poses of a
 false thing are many, each a little better than chance."""
 
 BLOCK, SURE, LIKELY = 12, 2.0, 1.0
