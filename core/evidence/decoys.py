@@ -21,10 +21,11 @@ SHIFTS, OTHERS = 6, 6
 """Decoys of a pose of either kind; counts."""
 
 
-def slipped(poses, points, tangents):
+def slipped(poses, points, tangents, weight=None):
     """(k, 2, 4, 4), poses (k, 4, 4) moved either way along the screw motion that keeps the curves on themselves best.
 
-    points, tangents : (m, 3), of the curves in the frame that the poses move
+    points, tangents : (m, 3) or (k, m, 3), of the curves in the frame that the poses move; weight : (k, m), how much
+        each counts; None takes all alike
 
     Notes
     -----
@@ -32,21 +33,28 @@ def slipped(poses, points, tangents):
     the same curve (slippable motions: Gelfand and Guibas 2004). The least speed across the curves for the speed at all
     is an eigenvalue of 6 x 6 matrices.
     """
-    centre = points.mean(axis=0)
-    off = points - centre
-    size = max(np.sqrt((off**2).sum(axis=1).mean()), 1e-9)
-    speed = np.concatenate([-skew(off / size), np.broadcast_to(np.eye(3), (len(off), 3, 3))], axis=2)
-    across = speed - tangents[:, :, None] * np.einsum("mi,mij->mj", tangents, speed)[:, None]
-    total = np.einsum("mij,mik->jk", speed, speed) + 1e-3 * len(off) * np.eye(6)
+    points, tangents = np.atleast_3d(points.T).T, np.atleast_3d(tangents.T).T  # (1, m, 3) of one for all
+    weight = np.ones(points.shape[:2]) if weight is None else weight.astype(float)
+    count = np.maximum(weight.sum(axis=1), 1e-3)[:, None]
+    centre = np.einsum("km,kmi->ki", weight, points) / count
+    off = points - centre[:, None]
+    size = np.maximum(np.sqrt(np.einsum("km,kmi,kmi->k", weight, off, off) / count[:, 0]), 1e-9)[:, None]
+    # Rows of the velocity and of its part across the curve, for a turn about each axis and a shift along it.
+    unit = off / size[:, None]
+    speed = np.concatenate([-skew(unit.reshape(-1, 3)).reshape(*unit.shape, 3), np.zeros((*unit.shape, 3))], axis=-1)
+    speed[..., 3:] = np.eye(3)
+    along = np.einsum("kmi,kmij->kmj", tangents, speed)
+    rows = (speed * weight[..., None, None]).reshape(len(unit), -1, 6)
+    total = np.swapaxes(rows, 1, 2) @ speed.reshape(len(unit), -1, 6)
+    across = total - np.swapaxes(along * weight[..., None], 1, 2) @ along
+    total = total + 1e-3 * count[..., None] * np.eye(6)
     root = np.linalg.inv(np.linalg.cholesky(total))
-    values, ways = np.linalg.eigh(root @ np.einsum("mij,mik->jk", across, across) @ root.T)
-    way = root.T @ ways[:, 0]
-    way *= SHIFT / np.sqrt(way @ total @ way / len(off))
-    # About the centre of the points.
-    w = way[:3] / size
-    u = way[3:] - np.cross(w, centre)
-    slips = moment(np.stack([w, -w]), np.stack([u, -u]))
-    return poses[:, None] @ slips[None]
+    way = (np.swapaxes(root, 1, 2) @ np.linalg.eigh(root @ across @ np.swapaxes(root, 1, 2))[1][..., :1])[..., 0]
+    way *= SHIFT / np.sqrt(np.einsum("ki,kij,kj->k", way, total, way)[:, None] / count)
+    w, u = way[:, :3] / size, way[:, 3:]
+    u = u - np.cross(w, centre)
+    slips = np.stack([moment(w, u), moment(-w, -u)], axis=1)
+    return poses[:, None] @ slips
 
 
 def decoys(poses, centre, tangents, *, seed=0):

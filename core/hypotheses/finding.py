@@ -8,15 +8,17 @@ from dataclasses import replace
 import numpy as np
 
 from ..evidence.field import Field
-from .growth import REACHES, full_grown, grown, started
+from ..transformations.description import saving
+from .growth import CAREFUL, EAGER, REACHES, full_grown, grown, started
 from .hypothesis import explained
-from .leading import leading
+from .leading import leading, scored_widely
 from .seeding import Seeds
 from .significance import evident, expected_by_chance
 from .splitting import split
 
-STARTS, APART = 12, 15.0
-"""Seeds that are grown in each round, and edge lengths by which they must differ; counts that bound the work."""
+STARTS, APART, FRESH = 12, 15.0, 120
+"""Seeds that are grown in each round, edge lengths by which they must differ, and seeds among which they are chosen;
+counts that bound the work."""
 
 LEAST_SEED, FAILURES, MOST = 8.0, 2, 40
 """Log odds of a seed that is started (two independent observations), rounds without a thing after which the search
@@ -39,49 +41,81 @@ def find_things(field: Field, seeds: Seeds, *, significance, tick=lambda: None, 
     taken = np.zeros(len(field), bool)
     lead = leading(field, seeds, tick=tick)
     dead = np.zeros(len(lead), bool)
-    full, found, failures = {}, [], 0
+    score, stale = lead.score.copy(), np.zeros(len(lead), bool)
+    growths, found, failures = {}, [], 0
     while len(found) < MOST and failures < FAILURES:
-        starts = _apart(field, lead, dead | taken[lead.source] | taken[lead.target])
+        score = _fresh(field, lead, score, stale, taken, ~dead, tick)
+        starts = _apart(field, lead, score, dead | taken[lead.source] | taken[lead.target])
         if not len(starts):
             break
         for s in starts:
-            if s not in full:
-                full[s] = _full_grown(field, lead, s, seeds, taken, tick)
-                dead[s] = full[s] is None
+            if s not in growths:
+                growths[s] = _full_grown(field, lead, s, seeds, taken, tick)
         best = None
-        for s in sorted((s for s in full if not dead[s]), key=lambda s: (-full[s].gain, s)):
-            thing = evident(field, split(field, full[s], seeds, taken, tick))
+        rivals = [(saving, s, thing) for s in growths for saving, thing in growths[s]]
+        for _, s, rival in sorted(rivals, key=lambda x: (-x[0], x[1])):
+            thing = evident(field, rival)
             tick()
             expected = expected_by_chance(field, thing)
+            if expected <= significance:
+                smaller = split(field, thing, seeds, taken, tick)
+                if smaller is not thing:
+                    thing = evident(field, smaller)
+                    expected = expected_by_chance(field, thing)
             log(f"thing: {len(thing)} poses, {len(thing.points)} points, gain {thing.gain:.0f}, E {expected:.2g}")
-            dead[s] = True
             if len(thing) >= 2 and expected <= significance:
                 best = replace(thing, expected=expected)
+                dead[s] = True
                 break
+            growths[s] = [x for x in growths[s] if x[1] is not rival]
+        dead[[s for s in growths if not growths[s]]] = True
         if best is None:
+            dead[list(growths)] = True
             failures += 1
             continue
         failures = 0
         found.append(best)
         new = explained(field, best)
         taken = taken | new
-        full = {s: t for s, t in full.items() if t is not None and not dead[s] and not (explained(field, t) & new).any()}
+        stale[:] = True
+        growths = {
+            s: x for s, x in growths.items() if not dead[s] and not any((explained(field, t) & new).any() for _, t in x)
+        }
     return found
 
 
 def _full_grown(field, lead, s, seeds, taken, tick):
-    thing = started(field, lead.motions[s], lead.stretch[s])
-    thing = thing and grown(field, thing, seeds, taken, (0.0, *REACHES), tick)
-    if thing is None or thing.gain <= 0:
-        return None
-    thing = full_grown(field, thing, seeds, taken, tick=tick)
-    return thing if len(thing) > 1 and thing.gain > 0 else None
+    """What a seed comes to: nats that are saved, and the thing, a pair for each price; none where it is nothing."""
+    start = started(field, lead.motions[s], lead.stretch[s])
+    out = []
+    for price in (CAREFUL, EAGER) if start is not None else ():
+        thing = grown(field, start, seeds, taken, (0.0, *REACHES), price=price, tick=tick)
+        if thing is not None and thing.gain > 0:
+            thing = full_grown(field, thing, seeds, taken, price=price, tick=tick)
+            if len(thing) > 1 and thing.gain > 0:
+                out.append((saving(thing), thing))
+        if out and np.median(out[0][1].scores[1:]) > 2 * CAREFUL[0]:
+            break  # Other poses of it would be worth that much, too.
+    return out
 
 
-def _apart(field, seeds, dead):
+def _fresh(field, lead, score, stale, taken, alive, tick):
+    """Scores (k,) of seeds of which the best that are alive are those on samples that no thing has taken."""
+    while True:
+        tick()
+        order = np.flatnonzero(alive & (score > LEAST_SEED))
+        order = order[np.argsort(-score[order], kind="stable")][:FRESH]
+        order = order[stale[order]]
+        if not len(order):
+            return score
+        score[order] = scored_widely(field, lead.take(order), taken).score
+        stale[order] = False
+
+
+def _apart(field, seeds, score, dead):
     """Indices of the best seeds that are alive, none at both ends near an earlier one."""
-    order = np.flatnonzero(~dead & (seeds.score > LEAST_SEED))
-    order = order[np.argsort(-seeds.score[order], kind="stable")]
+    order = np.flatnonzero(~dead & (score > LEAST_SEED))
+    order = order[np.argsort(-score[order], kind="stable")]
     source, target = field.points[seeds.source[order]], field.points[seeds.target[order]]
     out, alive = [], np.ones(len(order), bool)
     for i in range(len(order)):

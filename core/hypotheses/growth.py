@@ -18,9 +18,14 @@ from .hypothesis import SPACING, Hypothesis, distinct, explained, pose_scores
 from .seeding import Seeds
 from .symmetry import oriented
 
-FREE_POSE, WITNESS, ORBIT_POSE = 25.0, 6.0, 7.0
-"""Cost of a pose in nats: six numbers of which each could be anything in the scene; what each other prediction of the
-pose by two others takes off it; and the least, of a pose that an orbit predicts."""
+CAREFUL, EAGER = (25.0, 6.0), (10.0, 1.0)
+"""Prices of a pose: the log odds that it must have, and what each other prediction of it by two others takes off that.
+A careful one names six numbers, each of which could be anything in the scene; an eager one is the best of some thousand
+candidates. At an eager price small things find their many weak poses, and large ones fall apart into what repeats
+within them; where both come to something, that which saves more is taken."""
+
+ORBIT_POSE = 7.0
+"""Least price of a pose, that of one that an orbit predicts."""
 
 PROMINENT = 5.0
 """Log odds by which a pose must beat its own shifts."""
@@ -53,7 +58,7 @@ def started(field: Field, seed_motion, stretch, *, shown=0.5) -> Hypothesis | No
     return Hypothesis(probe, chance, poses, np.zeros(2), np.zeros(2), shown)
 
 
-def grown(field: Field, thing: Hypothesis, seeds: Seeds, taken, reaches, tick=lambda: None) -> Hypothesis | None:
+def grown(field: Field, thing: Hypothesis, seeds: Seeds, taken, reaches, *, price=CAREFUL, tick=lambda: None) -> Hypothesis | None:
     """The thing after a round of growth for each reach (0 keeps its curves); None where it comes to nothing."""
     for reach in reaches:
         tick()
@@ -62,7 +67,7 @@ def grown(field: Field, thing: Hypothesis, seeds: Seeds, taken, reaches, tick=la
             if thing is None:
                 return None
         thing = replace(thing, poses=align(field, thing.poses, thing.probe, radii=(2.5, 2.0)))
-        thing = rescored(field, with_more_poses(field, thing, seeds, taken), taken)
+        thing = rescored(field, with_more_poses(field, thing, seeds, taken, price), taken)
         if len(thing) < 2:
             return None
         if reach:
@@ -71,7 +76,7 @@ def grown(field: Field, thing: Hypothesis, seeds: Seeds, taken, reaches, tick=la
 
 
 def full_grown(
-    field: Field, thing: Hypothesis, seeds: Seeds, taken, rounds=3, tick=lambda: None
+    field: Field, thing: Hypothesis, seeds: Seeds, taken, *, price=CAREFUL, rounds=3, tick=lambda: None
 ) -> Hypothesis:
     """The thing grown until its poses do not change."""
     for _ in range(rounds):
@@ -80,7 +85,7 @@ def full_grown(
         if wider is None:
             break
         wider = replace(wider, poses=align(field, wider.poses, wider.probe, radii=(2.5, 2.0)))
-        wider = rescored(field, with_more_poses(field, wider, seeds, taken), taken)
+        wider = rescored(field, with_more_poses(field, wider, seeds, taken, price), taken)
         if len(wider) < 2:
             break
         turned = oriented(field, wider, taken)
@@ -94,7 +99,7 @@ def full_grown(
     return thing
 
 
-def with_more_poses(field: Field, thing: Hypothesis, seeds: Seeds, taken) -> Hypothesis:
+def with_more_poses(field: Field, thing: Hypothesis, seeds: Seeds, taken, price=CAREFUL) -> Hypothesis:
     """The thing with the poses that seeds and closures lead to and the score accepts, best first."""
     poses, witnesses = _candidates(thing, seeds, field)
     if not len(poses):
@@ -109,7 +114,7 @@ def with_more_poses(field: Field, thing: Hypothesis, seeds: Seeds, taken) -> Hyp
     if not len(order):
         return thing
     poses, witnesses = align(field, poses[order], rough, radii=(4.0, 2.5, 2.0)), witnesses[order]
-    cost = np.maximum(FREE_POSE - WITNESS * (np.minimum(witnesses, 4) - 1), ORBIT_POSE)
+    cost = np.maximum(price[0] - price[1] * (np.minimum(witnesses, 4) - 1), ORBIT_POSE)
     score = pose_scores(field, thing, poses, owned, beside=thing.poses)[0]
     good = np.flatnonzero(score > cost)
     poses, cost, score = align(field, poses[good], thing.probe, radii=(2.5, 2.0)), cost[good], score[good]

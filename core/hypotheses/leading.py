@@ -40,13 +40,19 @@ def leading(field: Field, seeds: Seeds, *, tick=lambda: None) -> Seeds:
         probe = field.probe(np.maximum(region, 0))
         probe = replace(probe, points=probe.points + np.where(region < 0, 1e6, 0.0)[..., None])
         motions = align(field, part.motions, probe, radii=(1.75 * field.radius, field.radius))
-        region, gap, length = _around(field, part.stretch, WIDE)
-        score, extent = region_scores(field, motions, region, gap, length, field.points[part.source])
-        parts.append(replace(part, motions=motions, score=score, extent=extent))
+        parts.append(scored_widely(field, replace(part, motions=motions)))
     if not parts:
         return lead
     out = Seeds(*(np.concatenate(x) for x in zip(*(vars(p).values() for p in parts))))
     return out.take(np.argsort(-out.score, kind="stable"))
+
+
+def scored_widely(field: Field, seeds: Seeds, taken=None) -> Seeds:
+    """The seeds with their score on their wide neighbourhood; samples that are taken (n,) bool tell nothing."""
+    region, gap, length = _around(field, seeds.stretch, WIDE)
+    middle = field.points[seeds.source]
+    score, extent = region_scores(field, seeds.motions, region, gap, length, middle, taken=taken)
+    return replace(seeds, score=score, extent=extent)
 
 
 def _around(field, stretch, radius):

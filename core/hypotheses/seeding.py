@@ -13,7 +13,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ..evidence.alignment import align
-from ..evidence.decoys import SHIFTS, decoys
+from ..evidence.decoys import SHIFTS, decoys, slipped
 from ..evidence.field import Field
 from ..evidence.odds import LEAST_CHANCE, UNIT, log_odds, sliding
 from ..geometry.motions import inverse
@@ -212,7 +212,7 @@ def _ball_scores(field, motions, balls, at, places, p):
     return region_scores(field, motions, balls, distance, length, middle, p)
 
 
-def region_scores(field: Field, motions, samples, distance, length, middle, p=0.5):
+def region_scores(field: Field, motions, samples, distance, length, middle, p=0.5, taken=None):
     """Log odds (k,) of motions (k, 4, 4) on the best part of a region, and how far it reaches (k,).
 
     Parameters
@@ -220,10 +220,14 @@ def region_scores(field: Field, motions, samples, distance, length, middle, p=0.
     samples : (k, m) int64, those of the region in the order in which it grows, -1 where there are fewer
     distance : (k, m), how far each is; length : (k,), edge lengths of curve that each stands for; middle : (k, 3)
     p : the share of a thing that an occurrence shows
+    taken : (n,) bool, samples that tell nothing, at either end of the motion; None for none
     """
     probe = field.probe(np.maximum(samples, 0))
     there = samples >= 0
-    hit = field.shown_by(probe.moved(motions)) >= 0
+    shown = field.shown_by(probe.moved(motions))
+    hit = shown >= 0
+    if taken is not None:
+        there = there & ~taken[samples] & ~(hit & taken[shown])
     wrong = decoys(motions, middle, probe.tangents)
     chance = np.stack([field.shown_by(probe.moved(wrong[:, d])) >= 0 for d in range(wrong.shape[1])])
     mean = (chance.mean(axis=0) * there).sum(axis=1) / np.maximum(there.sum(axis=1), 1)
@@ -237,6 +241,10 @@ def region_scores(field: Field, motions, samples, distance, length, middle, p=0.
     rows = np.arange(len(motions))
     score = run[rows, best]
     beside = np.stack([np.cumsum(log_odds(c, p, q) * weight, axis=1)[rows, best] for c in chance[:SHIFTS]]).max(axis=0)
+    part = there & (np.arange(samples.shape[1]) <= best[:, None])
+    for slip in np.moveaxis(slipped(motions, probe.points, probe.tangents, part), 1, 0):
+        c = field.shown_by(probe.moved(slip)) >= 0
+        beside = np.maximum(beside, (log_odds(c, p, q) * weight * part).sum(axis=1))
     return np.minimum(score, 2 * (score - beside)), distance[rows, best]
 
 

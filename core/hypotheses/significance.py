@@ -22,8 +22,9 @@ from .hypothesis import SPACING, Hypothesis
 ABOUT = 8.0
 """Edge lengths about the points within which samples tell."""
 
-SHOWN = 0.5
-"""The share of a thing that an occurrence shows, as a test takes it."""
+NOISE = (0.5, 0.5), (0.7, 0.7), (0.9, 0.9)
+"""What a scene may be like: the share of a thing that an occurrence shows, and the share of what is about it that is
+its own. The likeliest is taken."""
 
 SELECTED = 5.0
 """Log odds that a pose must exceed to tell anything: it was the best of many that were looked at, and the poses of a
@@ -36,6 +37,14 @@ aligned: all poses of a thing together, and each alone."""
 CHOSEN = 50.0
 """Edge lengths of the best fragment that count nothing: a match of l0 was chosen there, and chance hits run on for up
 to as much again. A longer fragment that recurs, such as one closed outline, is evidence of its own."""
+
+STRAIGHT = 25.0
+"""Edge lengths of a straight line that tell all there is to tell of it, wherever its pieces lie: lines are many, and
+those that meet at right angles, too."""
+
+FITTED, OFF, BENT, ALONG = 20.0, 2.0, 0.04, 0.85
+"""Edge lengths over which the direction of a line is fitted, edge lengths off it and share of the way along it by which
+a point of it may be off, and least cosine of their directions; tolerances."""
 
 RATE, SCALE = 0.7, 5.0
 """Things per scene without recurrence whose evidence is above 0, and the scale of its exponential tail, nats; fitted on
@@ -87,7 +96,7 @@ class PoseEvidence:
 
 
 def pose_evidence(field: Field, thing: Hypothesis) -> PoseEvidence:
-    """Evidence for each pose of a thing.
+    """Evidence for each pose of a thing, with the share that its occurrences show estimated.
 
     Notes
     -----
@@ -101,11 +110,16 @@ def pose_evidence(field: Field, thing: Hypothesis) -> PoseEvidence:
     nearest = _nearest_pose(thing)
     slides = sliding(field, between(thing.poses, thing.poses[nearest]), points.moved(thing.poses[nearest]))
     tells = (others > 0) & ~slides
-    out = []
-    for k, pose in enumerate(thing.poses):
-        t = tells[k]
-        out.append(_of_pose(field, pose, points.take(t), block[t], near[k, t], others[k, t], len(thing) - 1))
-    return PoseEvidence(*(np.array(x) for x in zip(*out)))
+    weight = _of_lines(points, hit.sum(axis=0) > 1) * (SPACING / UNIT)
+    tested = [
+        _Tested(field, pose, points.take(t), block[t], weight[t], near[k, t], others[k, t], len(thing) - 1)
+        for k, (pose, t) in enumerate(zip(thing.poses, tells))
+    ]
+    return max((_evidence(tested, *noise) for noise in NOISE), key=lambda e: e.total.sum())
+
+
+def _evidence(tested, shown, belongs):
+    return PoseEvidence(*(np.array(x) for x in zip(*(t.evidence(shown, belongs) for t in tested))))
 
 
 def _overlay(field, thing):
@@ -129,28 +143,64 @@ def _overlay(field, thing):
     return Probe(points, tangents, normals, kind).take(chosen), block.ravel()[chosen]
 
 
+def _of_lines(points, shown):
+    """(m,) float64, how much each point tells: along one straight line all together as much as `STRAIGHT` of it.
+
+    shown : (m,) bool, points that are counted along a line
+    """
+    at, line = points.points, points.tangents
+    gap = at[None, shown] - at[:, None]
+    for reach in (FITTED, np.inf):
+        along = np.einsum("ijk,ik->ij", gap, line)
+        off = np.sqrt(np.maximum(np.einsum("ijk,ijk->ij", gap, gap) - along**2, 0))
+        same = (off < OFF + BENT * np.abs(along)) & (np.abs(line @ points.tangents[shown].T) > ALONG)
+        same &= np.abs(along) < reach
+        if reach == FITTED:
+            # Tangents are noisy: the line is that of the points around.
+            spread_ = np.einsum("ij,ijk,ijl->ikl", same.astype(float), gap, gap) + np.einsum("ik,il->ikl", line, line)
+            line = np.linalg.eigh(spread_)[1][:, :, 2]
+    return np.minimum(1.0, STRAIGHT / (SPACING * np.maximum(same.sum(axis=1), 1)))
+
+
 def _nearest_pose(thing):
     gap = np.linalg.norm(thing.centres()[:, None] - thing.centres()[None], axis=2)
     np.fill_diagonal(gap, np.inf)
     return gap.argmin(axis=1)
 
 
-def _of_pose(field, pose, points, block, near, shown, others):
-    """Log odds of a pose, those of its best fragment, its lead over each decoy (d,) and the square of its error (d,)."""
-    if not len(points):
-        return 0.0, 0.0, np.zeros(SHIFTS + OTHERS + 2), np.zeros(SHIFTS + OTHERS + 2)
-    wrong = decoys(pose[None], points.points.mean(axis=0), points.tangents)[0]
-    wrong = np.concatenate([wrong, slipped(pose[None], points.points, points.tangents)[0]])
-    missed = field.targets(wrong, points) >= 0
-    prior = 6.0
-    q = (missed.sum(axis=0) + prior * max(missed.mean(), LEAST_CHANCE)) / (len(wrong) + prior)
-    q = np.clip(q, 0.02, SHOWN - 0.05)
-    # A point is the thing's or not; the occurrence that it was taken from says nothing of that.
-    odds = (shown - 1) * np.log(SHOWN / q) + (others - shown) * np.log((1 - SHOWN) / (1 - q))
-    p = q + (SHOWN - q) / (1 + np.exp(-np.clip(odds, -50, 50)))
-    terms = log_odds(np.concatenate([near[None] >= 0, missed]), p, q) * (SPACING / UNIT)
-    _, block = np.unique(block, return_inverse=True)
-    leads = np.array([np.bincount(block, terms[0] - x) for x in terms[1:]])
-    own = np.bincount(field.network.curve_of[near[near >= 0]], terms[0][near >= 0], minlength=1)
-    chosen = min(max(own.max(), 0.0), CHOSEN / UNIT * np.log(SHOWN / LEAST_CHANCE))
-    return terms[0].sum(), chosen, leads.sum(axis=1), (leads**2).sum(axis=1)
+class _Tested:
+    """A pose and what is near it: which points it shows, and which its decoys do."""
+
+    def __init__(self, field, pose, points, block, weight, near, shown, others):
+        self.field, self.pose, self.points = field, pose, points
+        self.weight, self.near, self.shown, self.others = weight, near, shown, others
+        _, self.block = np.unique(block, return_inverse=True)
+        self.q = np.zeros(0)
+        if len(points):
+            wrong = decoys(pose[None], points.points.mean(axis=0), points.tangents)[0]
+            self.missed = field.targets(wrong, points) >= 0
+            prior = 6.0
+            q = (self.missed.sum(axis=0) + prior * max(self.missed.mean(), LEAST_CHANCE)) / (len(wrong) + prior)
+            self.q = np.clip(q, 0.02, NOISE[0][0] - 0.05)
+
+    def evidence(self, shown, belongs):
+        """Log odds, those of the best fragment, the lead over each decoy (d,) and the square of its error (d,).
+
+        shown : share of a thing that an occurrence shows; belongs : share of the points that are the thing's
+        """
+        q, weight = self.q, self.weight
+        if not len(q):
+            return 0.0, 0.0, np.zeros(SHIFTS + OTHERS + 2), np.zeros(SHIFTS + OTHERS + 2)
+        # A point is the thing's or not; the occurrence that it was taken from says nothing of that.
+        odds = np.log(belongs / (1 - belongs)) + (self.shown - 1) * np.log(shown / q)
+        odds += (self.others - self.shown) * np.log((1 - shown) / (1 - q))
+        p = q + (shown - q) / (1 + np.exp(-np.clip(odds, -50, 50)))
+        terms = log_odds(np.concatenate([self.near[None] >= 0, self.missed]), p, q) * weight
+        # What speaks for the pose may slip along itself, whatever is around it.
+        slips = slipped(self.pose[None], self.points.points, self.points.tangents, np.maximum(terms[:1], 0))[0]
+        terms = np.concatenate([terms, log_odds(self.field.targets(slips, self.points) >= 0, p, q) * weight])
+        leads = np.array([np.bincount(self.block, terms[0] - x) for x in terms[1:]])
+        hit = self.near >= 0
+        own = np.bincount(self.field.network.curve_of[self.near[hit]], terms[0][hit], minlength=1)
+        chosen = min(max(own.max(), 0.0), CHOSEN / UNIT * np.log(shown / LEAST_CHANCE))
+        return terms[0].sum(), chosen, leads.sum(axis=1), (leads**2).sum(axis=1)

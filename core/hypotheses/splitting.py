@@ -15,8 +15,9 @@ from scipy.spatial import cKDTree
 from ..evidence.alignment import align
 from ..evidence.field import Field
 from ..geometry.motions import inverse
+from ..transformations.description import saving
 from .extent import extended
-from .growth import FREE_POSE, ORBIT_POSE, rescored, with_more_poses
+from .growth import ORBIT_POSE, rescored, with_more_poses
 from .hypothesis import Hypothesis, distinct, relative
 from .seeding import Seeds
 
@@ -36,7 +37,7 @@ def split(field: Field, thing: Hypothesis, seeds: Seeds, taken, tick=lambda: Non
     for motion in _inner_motions(field, thing, seeds)[:TRIES]:
         tick()
         smaller = _halved(field, thing, motion, seeds, taken)
-        if smaller is not None and len(smaller) > len(thing) and smaller.gain - FREE_POSE > best.gain:
+        if smaller is not None and len(smaller) > len(thing) and saving(smaller) > saving(best):
             best = smaller
     return best
 

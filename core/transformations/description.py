@@ -42,6 +42,13 @@ def describe(thing) -> Orbit:
     return best
 
 
+def saving(thing) -> float:
+    """Nats that a thing saves: log odds of its poses but the first, less what it costs to say where they are."""
+    orbit = describe(thing)
+    said = len(thing.poses) * POSE if orbit.kind == "single" else description_length(orbit, len(thing.poses))
+    return float(thing.scores[1:].sum() - (said - POSE))
+
+
 def description_length(orbit: Orbit, count) -> float:
     """Nats that describe `count` poses by an orbit and the rest as free ones."""
     numbers = {"translation": 3, "grid": 6, "rotation": 5, "screw": 6}[orbit.kind]

@@ -13,6 +13,7 @@ from ...core.errors import InputError
 from ...core.files.writers.obj import write_obj
 from ..result import one_object
 from ..scene import origin
+from ..scene.families import children
 from ..scene.units import dxf_units
 from . import outlines
 
@@ -82,20 +83,20 @@ def _scene_of(root):
 def _csv(path, root, objects):
     """A row an occurrence: template, number, support, and the upper three rows of its matrix."""
     rows = {row.ident: row.name for row in root.fcn_result.template_rows}
-    holders = outlines.occurrences(objects)
+    families = children(outlines.occurrences(objects))
     with open(path, "w", encoding="utf-8", newline="") as file:
         table = csv.writer(file)
         axes = [f"m{i}{j}" for i in range(1, 4) for j in range(1, 5)]
         table.writerow(["template", "occurrence", "support", "x", "y", "z", *axes])
-        for item in holders:
-            supports = [part["support"] for part in item.children if "support" in part]
+        for item, parts in families.items():
+            supports = [part["support"] for part in parts if "support" in part]
             matrix = outlines.matrix_of(item)
             matrix[:3, 3] += origin.of(root)
             support = sum(supports) / max(len(supports), 1)
             name = rows.get(item["template"], item["template"])
             values = [f"{v:.12g}" for v in (support, *matrix[:3, 3], *matrix[:3].ravel())]
             table.writerow([name, item["occurrence"] + 1, *values])
-    return len(holders)
+    return len(families)
 
 
 FORMATS = {

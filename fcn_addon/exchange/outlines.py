@@ -17,6 +17,7 @@ from ...core.geometry.chains import chains_of_edges
 from .. import colours
 from ..result import selection
 from ..scene.curve_data import bezier_path, spline_points
+from ..scene.families import children
 
 RIGID = 1e-4
 """How far a matrix of single precision may be from a rotation."""
@@ -89,8 +90,9 @@ def _moved_by(shift):
 def _grouped(objects):
     """[first empty, [(curve, its matrix in the occurrence)], [pose, ...]] of each symbol; and the other curves."""
     wanted, groups, loose = set(objects), {}, [item for item in objects if not selection.is_part(item)]
-    for holder in selection.holders([item for item in objects if selection.is_part(item)]):
-        parts, pose = [part for part in holder.children if part in wanted], matrix_of(holder)
+    families = children(selection.holders([item for item in objects if selection.is_part(item)]))
+    for holder, family in families.items():
+        parts, pose = [part for part in family if part in wanted], matrix_of(holder)
         if not _is_rigid(pose):
             loose += parts
             continue
@@ -99,7 +101,7 @@ def _grouped(objects):
         key = holder["template"], tuple(_key(part, pose, m) for part, m in zip(parts, relative))
         group = groups.setdefault(key, [holder, list(zip(parts, relative)), []])
         group[2].append(pose)
-    with_empty = {part for holder in selection.holders(objects) for part in holder.children}
+    with_empty = {part for family in families.values() for part in family}
     loose += [item for item in objects if selection.is_part(item) and item not in with_empty]
     return list(groups.values()), loose
 

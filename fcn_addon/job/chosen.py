@@ -137,11 +137,6 @@ def _of_result(context):
     """
     if is_again(context):
         return None
-    found = {_run_of(context.scene, item) for item in chosen(context)}
-    root = found.pop() if len(found) == 1 else None
-    return root.fcn_result.edge_length if root is not None else None
-
-
-def _run_of(scene, item):
-    """The result that an object belongs to, None if it is of none."""
-    return next((root for root in stored.of_scene(scene) if item.name in root.all_objects), None)
+    objects = set(chosen(context))
+    root = next((r for r in stored.of_scene(context.scene) if objects and objects.issubset(r.all_objects)), None)
+    return None if root is None else root.fcn_result.edge_length

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from ..scene.families import children
 from . import stored
 
 
@@ -24,7 +25,7 @@ def holders(objects) -> list:
 
 def parts(objects) -> list:
     """All curves of the occurrences that the objects belong to; those whose empty is gone stand for themselves."""
-    whole = [child for holder in holders(objects) for child in holder.children if is_part(child)]
+    whole = [child for family in children(holders(objects)).values() for child in family if is_part(child)]
     return list(dict.fromkeys([*whole, *(item for item in objects if is_part(item))]))
 
 
@@ -33,9 +34,10 @@ def of_transformation(row) -> list:
     return [] if row is None or row.home is None else list(row.home.objects)
 
 
-def result_of(scene, item):
-    """The result that an object belongs to, None if it is of none."""
-    return next((root for root in stored.of_scene(scene) if item.name in root.all_objects), None)
+def results_of(scene, objects) -> list:
+    """The results that objects belong to. A collection is walked for each look-up, so it is asked once for all."""
+    objects = set(objects)
+    return [root for root in stored.of_scene(scene) if not objects.isdisjoint(root.all_objects)]
 
 
 def select(context, objects, active=None) -> int:
@@ -43,11 +45,11 @@ def select(context, objects, active=None) -> int:
     layer = context.view_layer
     for item in context.selected_objects:
         item.select_set(False)
-    count = 0
+    count, here = 0, set(layer.objects)  # looked up in the layer itself, each would walk it
     for item in objects:
-        if item.name in layer.objects:
+        if item in here:
             item.select_set(True)
             count += item.select_get()
-    if active is not None and active.name in layer.objects:
+    if active in here:
         layer.objects.active = active
     return count

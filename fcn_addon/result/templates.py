@@ -11,6 +11,7 @@ from bpy.props import BoolProperty, FloatProperty, FloatVectorProperty, IntPrope
 from bpy.types import PropertyGroup
 
 from .. import colours
+from ..scene.families import children
 from ..wording import letters
 from . import views
 
@@ -54,10 +55,16 @@ def _renamed(row, _context):
         if PART in item:
             part = item.data.get("part", 0)
             if "unique" not in item:
-                item.data.name = f"{row.name} {part + 1}"
-            item.name = f"{row.name} {part + 1} at {place}"
+                _call(item.data, f"{row.name} {part + 1}")
+            _call(item, f"{row.name} {part + 1} at {place}")
         else:
-            item.name = f"{row.name} at {place}"
+            _call(item, f"{row.name} at {place}")
+
+
+def _call(block, name):
+    """Name a data block. Blender looks for a free name and sorts again even where it has this one already."""
+    if block.name != name:
+        block.name = name
 
 
 def settle_names(root):
@@ -79,11 +86,12 @@ def fill_places(root):
     """Make the list of places that of the active template."""
     result, row = root.fcn_result, active(root)
     result.places.clear()
-    for item in holders(root, row.ident) if row else ():
+    for item, parts in children(holders(root, row.ident) if row else ()).items():
         place = result.places.add()
         place.name = item.name
-        place.kept = "rejected" not in item
-        supports = [part[PART] for part in item.children if PART in part]
+        if "rejected" in item:  # kept is the default, and setting it looks for the object
+            place.kept = False
+        supports = [part[PART] for part in parts if PART in part]
         place.support = sum(supports) / len(supports) if supports else 0.0
 
 

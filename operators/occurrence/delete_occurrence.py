@@ -22,7 +22,7 @@ class FCN_OT_delete_occurrence(OnOccurrence, bpy.types.Operator):
         chosen = list(context.selected_objects)
         holders = selection.holders(chosen)
         count = len(holders)
-        roots = {selection.result_of(context.scene, item) for item in chosen} - {None}
+        roots = selection.results_of(context.scene, chosen)
         stored.remove_objects([*holders, *selection.parts(chosen)])
         for root in roots:
             templates.count(root)

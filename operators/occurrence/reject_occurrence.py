@@ -21,7 +21,7 @@ class FCN_OT_reject_occurrence(OnOccurrence, bpy.types.Operator):
     def execute(self, context):
         chosen = selection.holders(context.selected_objects)
         rejected = [*chosen, *selection.parts(context.selected_objects)]
-        roots = {selection.result_of(context.scene, item) for item in rejected} - {None}
+        roots = selection.results_of(context.scene, rejected)
         for item in rejected:
             item["rejected"] = True
         for root in roots:

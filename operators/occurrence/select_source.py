@@ -22,7 +22,7 @@ class FCN_OT_select_source(OnOccurrence, bpy.types.Operator):
 
     def execute(self, context):
         parts = selection.parts(context.selected_objects)
-        root = selection.result_of(context.scene, parts[0]) if parts else None
+        root = next(iter(selection.results_of(context.scene, parts[:1])), None)
         mesh = None if root is None else tracing.input_mesh(root)
         if mesh is None:
             self.report({"ERROR"}, "The input of this result was removed; complete the curves again")

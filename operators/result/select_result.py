@@ -29,7 +29,7 @@ class FCN_OT_select_result(Polled, bpy.types.Operator):
         item = context.active_object
         if context.mode != "OBJECT":
             bpy.ops.object.mode_set(mode="OBJECT")
-        root = selection.result_of(context.scene, item)
+        root = next(iter(selection.results_of(context.scene, [item])), None)
         mesh = None if root is None else tracing.input_mesh(root)
         if mesh is None or mesh.item != item or stored.child(root, "templates") is None:
             self.report({"ERROR"}, rpt_("{name!r} is not the input of a result").format(name=item.name))

@@ -451,9 +451,16 @@ def test_ten_thousand_objects_in_time(bpy, part, wall, completion, monkeypatch):
     bpy.context.view_layer.update()
     hiding = time.process_time() - began
     assert sum(o.visible_get() for o in home.objects if "support" in o) == 5000
-    print(f"10,000 objects: {taken:.2f} s, half of them hidden by support: {hiding:.2f} s")
+    result.fcn_result.support = 0.0
+    began = time.process_time()
+    bpy.ops.fcn.select_transformation(index=0)
+    assert len(bpy.context.selected_objects) == 10000
+    assert bpy.ops.fcn.reject_occurrence() == {"FINISHED"}
+    assert result.fcn_result.template_rows[0].rejected == 1000
+    rejecting = time.process_time() - began
+    print(f"10,000 objects: {taken:.2f} s, half hidden by support: {hiding:.2f} s, all rejected: {rejecting:.2f} s")
     # Docs have what they take; these bounds are for busy machines, and find what grows with the square.
-    assert taken < 15 and hiding < 8
+    assert taken < 15 and hiding < 8 and rejecting < 15
 
 
 def test_edges_that_share_no_vertex_are_one_curve(bpy, part):
