@@ -9,6 +9,8 @@ TEMPLATE = (0.05, 0.13, 0.50)
 STRONG = (0.35, 0.66, 0.95)
 NOISE = (0.60, 0.60, 0.60)
 DETECTED = (0.80, 0.35, 0.05)
+ADDED, DROPPED = (0.10, 0.75, 0.20), (0.90, 0.10, 0.10)
+"""What other thresholds would add and drop, on the screen."""
 KINDS = ((0.78, 0.16, 0.10), (0.10, 0.35, 0.75), (0.10, 0.10, 0.10), (0.10, 0.60, 0.20))
 """Of ridges, valleys, sharp edges and boundaries."""
 

@@ -7,7 +7,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from .detected import kept
-from .job import session, summary
+from .job import session, summary, trial
 from .properties import changes, preferences
 
 
@@ -15,6 +15,7 @@ from .properties import changes, preferences
 def _before_load(*_):
     session.end()
     summary.stop()
+    trial.stop()
     kept.forget()
 
 
@@ -38,13 +39,16 @@ def register():
     for name, function in HANDLERS:
         getattr(bpy.app.handlers, name).append(function)
     changes.listen(summary.changed)
+    changes.listen(trial.changed, changes.DETECTION)
     summary.changed()
 
 
 def unregister():
     changes.forget(summary.changed)
+    changes.forget(trial.changed)
     session.end()
     summary.stop()
+    trial.stop()
     kept.forget()
     for name, function in HANDLERS:
         called = getattr(bpy.app.handlers, name)

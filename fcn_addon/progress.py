@@ -3,10 +3,6 @@
 
 from __future__ import annotations
 
-# Share of the whole time that each stage takes, measured on the scenes of benchmarks/.
-SHARES = {"blast": 0.12, "seeding": 0.3, "growth": 0.4, "orbits": 0.02, "selection": 0.01, "completion": 0.15}
-DETECTION = {"mesh": 0.1, "curvature": 0.55, "lines": 0.35}
-SCAN = {name: 0.1 * share for name, share in DETECTION.items()} | {name: 0.9 * x for name, x in SHARES.items()}
 LABELS = {
     "mesh": "Cleaning the mesh",
     "curvature": "Measuring curvature",
@@ -17,50 +13,108 @@ LABELS = {
     "orbits": "Finding orbits",
     "selection": "Selecting the model",
     "completion": "Completing curves",
+    "fitting": "Fitting lines and arcs",
 }
+
+TRUST = 0.15
+"""Share of the whole run that must be over for what was measured to count as much as what was expected."""
+
+AGREED = 0.15
+"""Share of a stage that must be over for its own speed to count as much as what was expected of it."""
+
+
+LATE = 0.5
+"""Share of the time by which a stage is late that it still takes, where it does not say how far it is."""
 
 
 class Progress:
     """How far a run is.
 
-    estimate : seconds that the run is thought to take, before anything is known
+    expected : stage -> seconds that it is thought to take, in the order of the stages
     now : seconds of some clock
-    shares : stage -> share of the time, in the order of the stages
     """
 
-    def __init__(self, estimate, now, shares=SHARES):
-        self.stage = ""
-        self._shares = shares
-        self.fraction = 0.0
-        self._estimate = estimate
-        self._began = self._at = now
+    def __init__(self, expected, now):
+        self.stage, self.fraction = "", 0.0
+        self._expected = dict(expected)
+        self._began = now
+        self._since, self._done = now, 0.0  # of the present stage: when it began, and how much of it is over
+        self._took = {}  # stage that is over -> seconds
+        self._skipped = set()
+        self._left, self._at = sum(self._expected.values()), now
 
-    def expect(self, estimate):
-        """Take in how many seconds the run is thought to take."""
-        self._estimate = estimate
+    def expect(self, expected, now=None):
+        """Take in how many seconds each stage is thought to take."""
+        self._expected = dict(expected)
+        self._look(self._at if now is None else now)
 
     def update(self, stage, fraction, now):
         """Take in what a stage says; the whole never goes back."""
-        order = list(self._shares)
-        known = stage in self._shares
-        before = sum(self._shares[s] for s in order[: order.index(stage)]) if known else self.fraction
-        done = before + self._shares.get(stage, 0.0) * min(max(fraction, 0.0), 1.0)
-        self.stage = stage
-        self.fraction = min(max(self.fraction, done), 1.0)
-        self._at = now
+        if stage != self.stage:
+            if self.stage:
+                self._took[self.stage] = self._took.get(self.stage, 0.0) + now - self._since
+                for skipped in self._between(self.stage, stage):
+                    self._skipped.add(skipped)
+            self.stage, self._since, self._done = stage, now, 0.0
+        self._done = max(self._done, min(max(fraction, 0.0), 1.0))
+        self._look(now)
+
+    def look(self, now):
+        """Take in that time has gone by."""
+        self._look(now)
 
     def left(self, now) -> float:
-        """Seconds that it will still take: the estimate at first, more and more what is measured."""
-        elapsed = now - self._began
-        trust = self.fraction
-        if trust <= 0:
-            return max(self._estimate - elapsed, 0.0)
-        since = now - self._at
-        measured = (elapsed - since) * (1 - trust) / trust - since
-        weight = min(1.0, 3 * trust)
-        return max(weight * measured + (1 - weight) * (self._estimate - elapsed), 0.0)
+        """Seconds that it will still take."""
+        return max(self._left - (now - self._at), 0.0)
 
     @property
     def label(self) -> str:
         """The stage in words."""
         return LABELS.get(self.stage, self.stage.capitalize() or "Starting")
+
+    def _between(self, before, after):
+        order = list(self._expected)
+        if before not in order or after not in order:
+            return []
+        return order[order.index(before) + 1 : order.index(after)]
+
+    def _look(self, now):
+        """Work out the time left: what stages are expected to take, by how this run compares with that so far."""
+        if not self._expected:  # nothing is known yet
+            return
+        pace = self._pace(now)
+        over = {*self._took, *self._skipped, self.stage}
+        rest = sum(s * pace for stage, s in self._expected.items() if stage not in over)
+        self._left, self._at = rest + self._left_of_stage(now, pace), now
+        whole = now - self._began + self._left
+        ended = self._is_last() and self._done >= 1
+        share = 1.0 if ended else (now - self._began) / whole if whole > 0 else 0.0
+        self.fraction = min(max(self.fraction, share), 1.0)
+
+    def _pace(self, now):
+        """How many times as long as expected this run takes: 1 at first, more and more what is measured."""
+        whole = sum(self._expected.values())
+        expected = sum(self._expected.get(stage, 0.0) for stage in self._took)
+        expected += self._expected.get(self.stage, 0.0) * self._done
+        measured, here = sum(self._took.values()), now - self._since
+        if self._done > 0:
+            measured += here
+        elif self.stage and here > self._expected.get(self.stage, 0.0):  # late, and it does not say how far it is
+            measured, expected = measured + here, expected + self._expected.get(self.stage, 0.0)
+        start = TRUST * whole
+        return (start + measured) / (start + expected) if start + expected > 0 else 1.0
+
+    def _left_of_stage(self, now, pace):
+        """Seconds that the present stage still takes, by what was expected and by its own speed."""
+        if not self.stage or self._done >= 1:
+            return 0.0
+        here, expected = now - self._since, self._expected.get(self.stage, 0.0) * pace
+        by_plan = max(expected * (1 - self._done), 0.0)
+        if self._done <= 0:
+            return max(expected - here, LATE * (here - expected))
+        by_speed = here * (1 - self._done) / self._done
+        weight = self._done / (self._done + AGREED)
+        return weight * by_speed + (1 - weight) * by_plan
+
+    def _is_last(self):
+        return bool(self._expected) and self.stage == list(self._expected)[-1]

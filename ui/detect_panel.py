@@ -7,7 +7,7 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
 from ..fcn_addon.detected import kept
-from ..fcn_addon.job import detecting, session
+from ..fcn_addon.job import detecting, session, trial
 from ..fcn_addon.properties.detection import ADVANCED, LARGE
 from ..fcn_addon.reading.reader import evaluated_faces
 from ..fcn_addon.result import stored
@@ -97,3 +97,17 @@ class FCN_PT_detect_more(Sidebar, bpy.types.Panel):
         layout.enabled = not session.running()
         for name in ADVANCED:
             layout.prop(context.scene.fcn.detection, name)
+        _draw_trial(layout.box().column(align=True), trial.latest())
+
+
+def _draw_trial(box, found):
+    """What the thresholds would add and drop; as many lines where nothing was tried."""
+    if not isinstance(found, trial.Trial):
+        box.label(text=found or "A change is outlined here", icon="INFO")
+        box.label(text="" if found else "once curves were detected")
+        return
+    for icon, text, share in (
+        ("ADD", iface_("Green: {share:.1%} more"), found.longer),
+        ("REMOVE", iface_("Red: {share:.1%} less"), found.shorter),
+    ):
+        box.label(text=text.format(share=share), icon=icon, translate=False)

@@ -5,10 +5,13 @@ from __future__ import annotations
 
 import bpy
 import gpu
+import numpy as np
 from bpy.app.handlers import persistent
 from gpu_extras.batch import batch_for_shader
 from mathutils import Matrix
 
+from ..fcn_addon.colours import ADDED, DROPPED
+from ..fcn_addon.job import trial
 from ..fcn_addon.result import strokes
 
 WIDTH = 2.0  # pixels, on a screen of usual density
@@ -19,6 +22,7 @@ _handle = None
 _batches = {}  # (scene, the viewport in local view or 0) -> what is drawn there, None for nothing
 _known = set()  # session_uid of all that the batches depend on
 _stale = True
+_trial = None, None  # the outline that was drawn last, and its batch
 
 
 def _draw():
@@ -41,9 +45,23 @@ def _draw():
         if context.mode != "OBJECT":
             colours[:, 3] *= FAINT
         _batches[scene, pointer] = _upload(segments, colours) if len(segments) else None
-    batch = _batches[scene, pointer]
-    if batch is not None:
-        _draw_batch(batch, WIDTH * context.preferences.system.ui_scale)
+    for batch in (_batches[scene, pointer], _trial_batch()):
+        if batch is not None:
+            _draw_batch(batch, WIDTH * context.preferences.system.ui_scale)
+
+
+def _trial_batch():
+    """The outline of what other thresholds of detection would add and drop, None without one."""
+    global _trial
+    found = trial.latest()
+    if not isinstance(found, trial.Trial):
+        _trial = None, None
+    elif _trial[0] is not found:
+        segments = np.concatenate([found.added, found.dropped]).astype(np.float32)
+        sizes = [len(found.added), len(found.dropped)]
+        colours = np.repeat(np.array([(*ADDED, 1.0), (*DROPPED, 1.0)], np.float32), sizes, axis=0)
+        _trial = found, _upload(segments, colours) if len(segments) else None
+    return _trial[1]
 
 
 def _draw_batch(batch, width):
@@ -102,9 +120,10 @@ def register():
 
 
 def unregister():
-    global _handle
+    global _handle, _trial
     if _handle is None:
         return
+    _trial = None, None
     bpy.types.SpaceView3D.draw_handler_remove(_handle, "WINDOW")
     for name, function in HANDLERS:
         kept = getattr(bpy.app.handlers, name)

@@ -102,7 +102,7 @@ def _descend(equations, chain, where, free):
     system, gradient, cost, unexplained, where = equations(chain, where)
     for _ in range(ROUNDS):
         scale = np.sqrt(np.maximum(np.diag(system), 1e-12 * np.diag(system).max()))[free]
-        matrix = system[np.ix_(free, free)] / scale / scale[:, None] + damping * np.eye(len(free))
+        matrix = system[free[:, None], free] / scale / scale[:, None] + damping * np.eye(len(free))
         step = np.zeros(len(system))
         step[free] = np.linalg.solve(matrix, -gradient[free] / scale) / scale
         moved = _moved(chain, step)
@@ -153,7 +153,7 @@ def _places(chain):
     own = 3 * len(chain.joints) + np.cumsum([0, *(OWN[kind] for kind in chain.kinds)])
     for i in range(len(chain.kinds)):
         j = (i + 1) % len(chain.joints)
-        yield np.r_[3 * i : 3 * i + 3, 3 * j : 3 * j + 3, own[i] : own[i + 1]]
+        yield np.array([*range(3 * i, 3 * i + 3), *range(3 * j, 3 * j + 3), *range(own[i], own[i + 1])])
 
 
 def _moved(chain, step):
@@ -174,18 +174,11 @@ def _equations(points, chain, sigma, size, spacing, anchor, where, stiff):
     for i, (kind, (a, b), rows) in enumerate(zip(chain.kinds, chain.ranges, places)):
         q, x = chain.row(i), points[a:b]
         before = shapes.first_guess(0, x, q[0:3], q[3:6])[1] if where is None else where[i]
-        u = shapes.nearest(kind, q, x, before)
+        u, gap, matrix, pull = shapes.normal_equations(kind, q, x, before)
         now.append(u)
-        way = shapes.directions(kind, q, u)
-        gap = x - shapes.at(kind, q, u)
-        if kind == 2:  # a sample beyond an end pulls at it, or the end would slip along the curve
-            way = way * ((u > 0) & (u < 1))[:, None]
-        gap = (gap - (gap * way).sum(axis=1)[:, None] * way) / sigma
-        slope = shapes.slopes(kind, q, u)
-        slope = (slope - (slope * way).sum(axis=2)[:, :, None] * way).reshape(len(q), -1) / sigma
-        system[np.ix_(rows, rows)] += slope @ slope.T
-        gradient[rows] -= slope @ gap.ravel()
-        unexplained[i] = (gap * gap).sum()
+        system[rows[:, None], rows] += matrix / sigma**2
+        gradient[rows] -= pull / sigma**2
+        unexplained[i] = (gap * gap).sum() / sigma**2
     cost = unexplained.sum()
     own = np.arange(3 * len(chain.joints))
     off = (chain.joints - anchor).ravel()

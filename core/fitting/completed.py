@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import cKDTree
 
+from ..threads import single_threaded
 from ..values import CompletedCurve, Completion, Curves
 from .fit import FittedCurve, fit_curves
 
@@ -38,6 +39,11 @@ def fit_completion(completion: Completion, curves: Curves, *, smoothing: float =
     curves : what was completed; how far its points are from the completed curves is the noise
     smoothing : standard deviation of the smoothing along the curves, edge lengths
     """
+    with single_threaded():  # or each small product would wake OpenBLAS's threads, which takes most of the time
+        return _fit(completion, curves, smoothing)
+
+
+def _fit(completion, curves, smoothing):
     sigma = scene_noise(completion, curves)
     options = {
         "sigma": sigma,

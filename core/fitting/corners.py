@@ -94,7 +94,7 @@ def sharpened(samples, chain, blur):
     trim = int(np.ceil(1.5 * blur / samples.spacing))
     inner = chain.ranges + np.where(chain.kinds[:, None] > 0, [[trim, -trim]], 0)
     inner = np.where(np.diff(inner, axis=1) >= 2 * trim, inner, chain.ranges)
-    core = _simpler(samples, replace(chain, ranges=inner))
+    core = _simpler(samples, replace(chain, ranges=inner), moved=bool((inner != chain.ranges).any()))
     same = (core.kinds == chain.kinds)[:, None]
     if not same.all():
         chain = fitted(samples, replace(core, ranges=np.where(same, chain.ranges, inner)))
@@ -110,9 +110,12 @@ def sharpened(samples, chain, blur):
     return samples, _simpler(samples, replace(chain, ranges=ranges)) if (ranges != chain.ranges).any() else chain
 
 
-def _simpler(samples, chain):
-    """The chain, fitted, with the cheapest kind for each piece now that the corners have no say."""
-    kinds, own, changed = chain.kinds.copy(), list(chain.own), fitted(samples, chain)
+def _simpler(samples, chain, moved=True):
+    """The chain, fitted, with the cheapest kind for each piece now that the corners have no say.
+
+    moved : its ranges are others than it was fitted to
+    """
+    kinds, own, changed = chain.kinds.copy(), list(chain.own), fitted(samples, chain) if moved else chain
     numbers = NUMBERS[dimension(samples)]
     for i, (a, b) in enumerate(chain.ranges):
         for kind in range(kinds[i]):

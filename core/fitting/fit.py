@@ -15,6 +15,7 @@ from .corners import GENTLE, allowed
 from .description import cost, describe, from_corner
 from .primitives import Circle, Line
 from .samples import Samples, make_samples
+from .touching import nearest_inside
 
 
 @dataclass(frozen=True)
@@ -42,7 +43,8 @@ def fit_curve(points, closed=False, *, sigma=None, blur=0.0, correlation=1.0) ->
 
 
 def fit_curves(polylines, closed, *, sigma=None, blur=0.0, correlation=1.0) -> list[FittedCurve]:
-    """Polylines that belong together as primitives; ends and corners that meet within the noise become one point.
+    """Polylines that belong together as primitives; ends and corners that meet within the noise become one point,
+    and an end that meets the middle of another curve within the noise lies on it.
 
     Parameters
     ----------
@@ -57,7 +59,7 @@ def fit_curves(polylines, closed, *, sigma=None, blur=0.0, correlation=1.0) -> l
     InputError where points are not finite or the noise is negative.
     """
     drawn = [_draw(make_samples(p, c, sigma=sigma, correlation=correlation), blur) for p, c in zip(polylines, closed)]
-    return [d.value(blur) for d in _snapped(drawn, blur)]
+    return [d.value(blur) for d in _touching(_snapped(drawn, blur), blur)]
 
 
 @dataclass(frozen=True)
@@ -161,6 +163,54 @@ def _snapped(drawn, blur):
             for m in members:
                 ends[rows[m][0]][rows[m][1]] = place
     return [_held(d, own, blur) if own else d for d, own in zip(drawn, ends)]
+
+
+def _touching(drawn, blur):
+    """Curves whose free ends within the noise of another curve lie on it, where the fit allows it.
+
+    Long curves are settled first; what an end was drawn to stays as it is from then on.
+    """
+    out, settled = list(drawn), set()
+    boxes = [None if d.samples is None else _box(d.samples) for d in drawn]
+    size = [0.0 if box is None else float(np.linalg.norm(box[1] - box[0])) for box in boxes]
+    for i in sorted(range(len(out)), key=lambda i: (-size[i], i)):
+        d = out[i]
+        if d.chain is None or d.chain.closed or i in settled:
+            continue
+        ends, used = {}, set()
+        for joint in {0, len(d.chain.joints) - 1} - set(d.ends or {}):
+            place, other = _touched(out, boxes, i, joint)
+            if place is not None:
+                ends[joint] = place
+                used.add(other)
+        if ends:
+            held = _held(d, {**(d.ends or {}), **ends}, blur)
+            if held is not d:
+                out[i] = held
+                settled |= used
+    return out
+
+
+def _touched(drawn, boxes, i, joint):
+    """Where an end of curve i touches the middle of another curve, and which that is; None and -1 if none."""
+    d, best = drawn[i], (None, -1)
+    end, nearest = _world(d.samples, d.chain.joints[joint]), np.inf
+    for j, other in enumerate(drawn):
+        if j == i or boxes[j] is None:
+            continue
+        bound = min(d.samples.bound, other.samples.bound)
+        if (end < boxes[j][0] - bound).any() or (end > boxes[j][1] + bound).any():
+            continue
+        place = nearest_inside(other.samples, other.chain, other.circle, end)
+        gap = np.inf if place is None else np.linalg.norm(place - end)
+        if gap <= min(bound, nearest):
+            best, nearest = (place, j), gap
+    return best
+
+
+def _box(samples):
+    points = _world(samples, samples.points)
+    return points.min(axis=0) - samples.bound, points.max(axis=0) + samples.bound
 
 
 def _meeting_joints(chain):

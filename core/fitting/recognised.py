@@ -103,4 +103,3 @@ def _joined(before, after, tolerance):
     out = before.end - before.centre
     across = np.cross(before.normal, out)
     return Arc(before.start, before.centre + np.cos(half) * out + np.sin(half) * across, after.end)
-

@@ -80,6 +80,35 @@ def nearest(kind, q, points, before=None, rounds=2):
     return u
 
 
+def normal_equations(kind, q, points, before):
+    """What least squares needs of one piece q (p,) and its samples (k, 3).
+
+    Returns where they are on it (k,), how far off across it (k, 3), the matrix (p, p) and the pull (p,): the products
+    of the slopes across the piece with each other and with what the samples are off.
+
+    Notes
+    -----
+    A line and a Bezier segment are sums of their control points: each block of the matrix is a sum of weights times the
+    projection across the piece, and the slopes themselves are never written down.
+    """
+    u = nearest(kind, q, points, before)
+    way = directions(kind, q, u)
+    gap = points - at(kind, q, u)
+    if kind == 2:  # a sample beyond an end pulls at it, or the end would slip along the curve
+        way = way * ((u > 0) & (u < 1))[:, None]
+    gap = gap - (gap * way).sum(axis=1)[:, None] * way
+    if kind == 1:
+        slope = slopes(kind, q, u)
+        slope = (slope - (slope * way).sum(axis=2)[:, :, None] * way).reshape(len(q), -1)
+        return u, gap, slope @ slope.T, slope @ gap.ravel()
+    weights = np.stack([1 - u, u], axis=1) if kind == 0 else bernstein(u)[:, [0, 3, 1, 2]]
+    k, m = weights.shape
+    across = (np.eye(3) - way[:, :, None] * way[:, None, :]).reshape(k, 9)
+    pairs = (weights[:, :, None] * weights[:, None, :]).reshape(k, m * m)
+    matrix = (pairs.T @ across).reshape(m, m, 3, 3).transpose(0, 2, 1, 3).reshape(3 * m, 3 * m)
+    return u, gap, matrix, (weights.T @ gap).ravel()
+
+
 def slopes(kind, q, u):
     """(p, k, 3) float64, how the points at u move with each number of one piece."""
     if kind == 1:
@@ -138,4 +167,4 @@ def _frame(q):
 
 
 def _unit(v):
-    return v / np.maximum(np.linalg.norm(v, axis=-1, keepdims=True), 1e-300)
+    return v / np.maximum(np.sqrt((v * v).sum(axis=-1, keepdims=True)), 1e-300)

@@ -59,9 +59,21 @@ def remove(item):
         bpy.data.meshes.remove(data)
 
 
+def has(uid) -> bool:
+    """Whether curves are kept for the object of a session_uid."""
+    return uid in _found
+
+
 def can_change(item) -> bool:
     """Whether the thresholds of a detected curves object can be changed in this session."""
-    return item.session_uid in _found
+    return has(item.session_uid)
+
+
+def shown(item):
+    """The FeatureCurves that a detected curves object shows by its thresholds, and its origin (3,) among them."""
+    found, centre = _found[item.session_uid]
+    curves = item.fcn_curves
+    return found.at_least(fold=degrees(curves.applied_fold), length=curves.applied_length), centre
 
 
 def update(group, _context):

@@ -13,7 +13,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from ...core.errors import InputError
 from ...core.files.reading import WELD, Reading
 from ...core.parameters import Parameters
-from .. import progress
+from .. import rates
 from ..detected import scan_lock
 from ..installation import require_scipy
 from ..properties.settings import parameters
@@ -93,8 +93,8 @@ def leaving_room(parameters):
     return parameters if parameters.threads else replace(parameters, threads=max(1, (os.cpu_count() or 2) - 1))
 
 
-def _seconds(task) -> float:
-    return summarise(task.reading.curves, task.edge_length, task.parameters).seconds
+def _expected(task) -> dict:
+    return rates.completing(summarise(task.reading.curves, task.edge_length, task.parameters).samples)
 
 
 def _work(task, report):
@@ -107,6 +107,7 @@ def _work(task, report):
 
 def _work_and_fit(task, report):
     completion = _work(task, report)
+    report("fitting", 0.0)
     return completion, _fitted(task, completion)
 
 
@@ -180,9 +181,8 @@ def missing(task) -> str | None:
 
 COMPLETE = RunKind(
     take,
-    _seconds,
-    lambda task, report: _work_and_fit(task, report),
+    _expected,
+    lambda task, report, expect: _work_and_fit(task, report),
     lambda context, task, made: finish(context, task, *made),
-    progress.SHARES,
     lambda task: replace(task, parameters=leaving_room(task.parameters)),
 )

@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from .. import progress
 from ..detected import kept
 from ..scans import Detected
 from ..scene.identity import Identity
@@ -28,7 +27,7 @@ def _finish(context, task, made):
             task.label, task.scene, (Identity.of(item),), reading, np.zeros(reading.count, np.int64),
             reading.edge_length, task.method, task.replace,
         )  # fmt: skip
-        return completing.finish(context, own, made.completion)
+        return completing.finish(context, own, made.completion, made.fitted)
     except BaseException:
         kept.remove(item)
         raise
@@ -38,4 +37,4 @@ def _beside(task):
     return replace(task, method=completing.leaving_room(task.method))
 
 
-COMPLETE_SCAN = RunKind(_take, detecting.seconds, detecting.work, _finish, progress.SCAN, _beside)
+COMPLETE_SCAN = RunKind(_take, detecting.expected, detecting.work, _finish, _beside)

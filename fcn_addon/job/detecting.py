@@ -12,7 +12,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 
 from ...core.detection.parameters import DetectionParameters
 from ...core.errors import InputError
-from .. import progress, scans
+from .. import rates, scans
 from ..detected import edge_mesh, kept
 from ..detected.kept import Measured
 from ..installation import require_scipy
@@ -22,7 +22,7 @@ from ..reading import reader, working_copy
 from ..scene.identity import Identity
 from .session import RunKind
 
-SECONDS_PER_FACE = 2.0e-5
+KINDS = ("ridges", "valleys", "sharp", "boundary")
 
 
 @dataclass(frozen=True)
@@ -46,11 +46,12 @@ class Task:
 
 @dataclass(frozen=True)
 class Made:
-    """What a run gave: FeatureCurves, the measurement, and the Completion where it was asked for."""
+    """What a run gave: FeatureCurves, the measurement, and where it was asked for the Completion and its primitives."""
 
     found: object
     measured: Measured
     completion: object = None
+    fitted: object = None
     remarks: tuple[str, ...] = ()
 
 
@@ -74,7 +75,7 @@ def why_not(context) -> str | None:
     if scan_of(context) is None:
         return "Select one mesh with faces"
     settings = context.scene.fcn.detection
-    if not (settings.ridges or settings.valleys or settings.sharp or settings.boundary):
+    if not any(getattr(settings, name) for name in KINDS):
         return "Choose ridges, valleys, sharp edges or boundaries"
     return None
 
@@ -94,13 +95,13 @@ def take(context, complete=False) -> Task:
         Identity.of(item),
         scans.Scan(f"object {item.name!r}", points, triangles),
         parameters,
-        {name: getattr(settings, name) for name in ("ridges", "valleys", "sharp", "boundary")},
+        {name: getattr(settings, name) for name in KINDS},
         context.scene.fcn.earlier == "REPLACE",
         method,
     )
 
 
-def work(task, report) -> Made:
+def work(task, report, expect=lambda seconds: None) -> Made:
     """Detect, and complete where that is asked for; this runs in the thread."""
     require_scipy()
     from ...core import detection
@@ -120,11 +121,22 @@ def work(task, report) -> Made:
     scans.require_curves(task.scan.name, found, task.parameters)
     remarks = scans.remarks(task.scan, known.mesh, found.edge_length)
     if task.method is None:
-        return Made(found, known, None, remarks)
+        return Made(found, known, remarks=remarks)
+    from ...core.fitting import fit_completion
     from ...core.pipeline import complete
 
+    samples = _length(found.curves) / found.edge_length
+    expect(rates.detecting(len(task.scan.triangles)) | rates.completing(samples))
     completion = complete(found.curves, edge_length=found.edge_length, parameters=task.method, progress=report)
-    return Made(found, known, completion, remarks)
+    report("fitting", 0.0)
+    fitted = fit_completion(completion, found.curves, smoothing=task.method.smoothing)
+    return Made(found, known, completion, fitted, remarks)
+
+
+def _length(curves) -> float:
+    """Of all curves together."""
+    step = np.linalg.norm(np.diff(curves.points, axis=0), axis=1)
+    return float(step.sum() - step[curves.offsets[1:-1] - 1].sum())
 
 
 def _fingerprint(scan) -> bytes:
@@ -159,9 +171,10 @@ def finish(context, task, made):
     return item
 
 
-def seconds(task) -> float:
-    """A rough time for a run."""
-    return 1.0 + SECONDS_PER_FACE * len(task.scan.triangles) * (1 if task.method is None else 15)
+def expected(task) -> dict:
+    """Stage -> seconds that a run takes, about."""
+    faces = len(task.scan.triangles)
+    return rates.detecting(faces) | ({} if task.method is None else rates.completing(rates.PER_FACE * faces))
 
 
-DETECT = RunKind(take, seconds, work, finish, progress.DETECTION)
+DETECT = RunKind(take, expected, work, finish)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from ...core.matching.strong import strong_curves
 from ...core.network.building import build_network
 from ...core.network.edge_length import estimate_edge_length
+from .. import rates
 from ..coarse import coarse_spread
 
 
@@ -39,11 +40,6 @@ def summarise(curves, edge_length, parameters, objects=1, again=False) -> Summar
     unit = edge_length or estimate_edge_length(curves)
     network = build_network(curves, edge_length=unit, smoothing=parameters.smoothing)
     strong = strong_curves(network, l0=parameters.l0, strong_curvature=parameters.strong_curvature)
-    seconds = rough_seconds(len(network.points), float(network.lengths[strong].sum()))
+    seconds = sum(rates.completing(len(network.points)).values())
     coarse = not edge_length and coarse_spread(curves) is not None
     return Summary(objects, len(curves), len(network.points), unit, len(strong), seconds, again, coarse)
-
-
-def rough_seconds(samples, strong) -> float:
-    """A rough time for a run with so many samples, and so many on strong curves: fitted to runs on two cores."""
-    return 1.0 + 1.8e-3 * samples + 3.0e-8 * strong**2

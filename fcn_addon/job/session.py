@@ -25,18 +25,17 @@ class RunKind:
     """What a run does.
 
     take : (context) -> the task, with arrays instead of Blender's data; raises InputError
-    seconds : (task) -> about how long it takes; in the thread
-    work : (task, report) -> what comes out of it, in the thread
+    expected : (task) -> stage -> seconds that it takes, about, in the order of the stages; in the thread
+    work : (task, report, expect) -> what comes out of it, in the thread; it calls expect with other seconds when it
+        knows better
     finish : (context, task, what came out) -> what was put into the scene; raises InputError
-    shares : stage -> share of the time that it takes, in the order of the stages
     beside : (task) -> the task for a thread beside the window
     """
 
     take: Callable
-    seconds: Callable
+    expected: Callable
     work: Callable
     finish: Callable
-    shares: dict
     beside: Callable = lambda task: task
 
 
@@ -86,12 +85,12 @@ def begin(context, kind) -> Run:
     if _run is not None:
         raise InputError("a run is under way; wait for it or cancel it")
     task = kind.take(context)
-    ahead = progress.Progress(0.0, time.monotonic(), kind.shares)
+    ahead = progress.Progress({}, time.monotonic())
     ours = kind.beside(task)
 
     def work(report):
-        ahead.expect(kind.seconds(ours))  # that takes long enough for many curves to be felt in the window
-        return kind.work(ours, report)
+        ahead.expect(kind.expected(ours))  # that takes long enough for many curves to be felt in the window
+        return kind.work(ours, report, ahead.expect)
 
     _run = Run(kind, task, Job(work), ahead)
     _run.job.start()
@@ -102,7 +101,7 @@ def begin(context, kind) -> Run:
 def run_now(context, kind, report=None):
     """The whole run at once, without a thread; what it put into the scene."""
     task = kind.take(context)
-    return kind.finish(context, task, kind.work(task, report or (lambda stage, fraction: None)))
+    return kind.finish(context, task, kind.work(task, report or (lambda stage, fraction: None), lambda seconds: None))
 
 
 def tick() -> bool:
@@ -114,6 +113,8 @@ def tick() -> bool:
     if news is not None:
         stage, fraction = news
         _run.progress.update(stage, fraction, now)
+    else:
+        _run.progress.look(now)
     shown = (_run.job.stopping, _run.progress.label, round(_run.progress.fraction, 2), round(_run.progress.left(now)))
     changed, _run.shown = shown != _run.shown, shown
     if changed:

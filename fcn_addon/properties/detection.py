@@ -7,7 +7,7 @@ from bpy.props import BoolProperty, IntProperty
 from bpy.types import PropertyGroup
 
 from ...core.detection.parameters import DetectionParameters
-from . import from_parameters
+from . import changes, from_parameters
 
 LARGE = 1_000_000  # faces; above this many a smaller copy is offered
 
@@ -49,14 +49,33 @@ FACES = IntProperty(
     soft_max=LARGE,
 )
 
+
+def _strong_changed(group, context):
+    """Called by Blender: a curve never goes on more clearly than it must be clear somewhere."""
+    if group.weak_fold > group.strong_fold:
+        group.weak_fold = group.strong_fold
+    changes.update_detection(group, context)
+
+
+def _weak_changed(group, context):
+    if group.strong_fold < group.weak_fold:
+        group.strong_fold = group.weak_fold
+    changes.update_detection(group, context)
+
+
+UPDATES = {"strong_fold": _strong_changed, "weak_fold": _weak_changed, None: changes.update_detection}
+
 FCN_PG_detection = type(
     "FCN_PG_detection",
     (PropertyGroup,),
     {
         "__doc__": "How feature curves are detected, made from `DetectionParameters`.",
         "__annotations__": {
-            **{name: BoolProperty(name=n, description=d, default=on) for name, (on, n, d) in KINDS.items()},
-            **from_parameters.properties_of(DetectionParameters, WORDS),
+            **{
+                name: BoolProperty(name=n, description=d, default=on, update=UPDATES[None])
+                for name, (on, n, d) in KINDS.items()
+            },
+            **from_parameters.properties_of(DetectionParameters, WORDS, UPDATES),
             "use_copy": COPY,
             "faces": FACES,
         },

@@ -16,8 +16,10 @@ def properties_of(of, words, update=None) -> dict:
     """A property for each field, with its default, bounds and words.
 
     words : field name -> its name in the interface and what it does, where these are not those of the field
+    update : what Blender calls when one changes, or field name -> that, with the one for all others under None
     """
-    return {field.name: _property(field, words, update) for field in fields(of)}
+    calls = update if isinstance(update, dict) else {None: update}
+    return {f.name: _property(f, words, calls.get(f.name, calls[None])) for f in fields(of)}
 
 
 def _property(field, words, update):

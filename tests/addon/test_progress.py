@@ -3,29 +3,90 @@
 
 import pytest
 
-
-def test_progress_never_goes_back_and_ends_at_one(part):
-    progress = part("fcn_addon.progress")
-    assert sum(progress.SHARES.values()) == pytest.approx(1)
-    assert list(progress.SHARES) == list(part("core.report").STAGES)
-    assert list(progress.SCAN) == [*progress.DETECTION, *progress.SHARES] and set(progress.SCAN) == set(progress.LABELS)
-    assert sum(progress.DETECTION.values()) == pytest.approx(1) == sum(progress.SCAN.values())
-    run, seen = progress.Progress(10, 0.0), []
-    for i, stage in enumerate(part("core.report").STAGES):
-        for fraction in (0.0, 0.5, 0.2, 1.0):
-            run.update(stage, fraction, float(i))
-            seen.append(run.fraction)
-    assert seen == sorted(seen)
-    assert seen[-1] == pytest.approx(1)
-    assert run.left(5.0) == pytest.approx(0, abs=1e-9)
+EXPECTED = {"blast": 2.0, "seeding": 4.0, "growth": 10.0, "completion": 4.0}
 
 
-def test_time_left_starts_with_the_estimate_and_ends_with_what_is_measured(part):
-    progress = part("fcn_addon.progress")
-    run = progress.Progress(100, 0.0)
-    assert run.left(0.0) == 100
-    assert run.left(30.0) == 70
-    run.update("completion", 0.0, 7.5)
-    share = run.fraction
-    assert share > 1 / 3  # from there on only what is measured counts
-    assert run.left(7.5) == pytest.approx(7.5 * (1 - share) / share)
+def drive(progress, took, ticks=20, told=()):
+    """(seconds since the start, what is said to be left, fraction) along a run whose stages take so long.
+
+    told : stages that say how far they are; the others say 0 all the time
+    """
+    run, now, seen = progress.Progress(EXPECTED, 0.0), 0.0, []
+    for stage, seconds in took.items():
+        for i in range(ticks):
+            run.update(stage, i / ticks if stage in told else 0.0, now + seconds * i / ticks)
+            seen.append((now + seconds * i / ticks, run.left(now + seconds * i / ticks), run.fraction))
+        now += seconds
+        run.update(stage, 1.0, now)
+        seen.append((now, run.left(now), run.fraction))
+    return seen
+
+
+def test_the_tables_have_every_stage_and_its_words(part):
+    progress, rates = part("fcn_addon.progress"), part("fcn_addon.rates")
+    assert list(rates.COMPLETING) == [*part("core.report").STAGES, "fitting"]
+    assert list(rates.DETECTING) == ["mesh", "curvature", "lines"]
+    assert {*rates.COMPLETING, *rates.DETECTING} == set(progress.LABELS)
+    small, large = rates.completing(2_000), rates.completing(20_000)
+    assert all(0 < small[stage] < large[stage] for stage in rates.COMPLETING)
+    assert sum(rates.completing(rates.SAMPLES).values()) == pytest.approx(sum(s for s, _ in rates.COMPLETING.values()))
+
+
+@pytest.mark.parametrize("pace", [0.3, 1.0, 3.0])
+@pytest.mark.parametrize("told", [(), tuple(EXPECTED)])
+def test_progress_never_goes_back_and_ends_at_one(part, pace, told):
+    seen = drive(part("fcn_addon.progress"), {s: pace * t for s, t in EXPECTED.items()}, told=told)
+    fractions = [fraction for *_, fraction in seen]
+    assert fractions == sorted(fractions)
+    assert fractions[-1] == 1 and seen[-1][1] == 0
+    assert all(f < 1 for f in fractions[:-1])
+
+
+def test_a_run_as_expected_is_told_to_the_second(part):
+    whole = sum(EXPECTED.values())
+    for now, left, fraction in drive(part("fcn_addon.progress"), EXPECTED):
+        assert left == pytest.approx(whole - now, abs=1e-6)
+        assert fraction == pytest.approx(now / whole, abs=1e-6)
+
+
+@pytest.mark.parametrize("pace", [0.4, 2.5])
+def test_a_machine_of_another_speed_is_told_within_half_once_a_third_is_over(part, pace):
+    whole = pace * sum(EXPECTED.values())
+    seen = drive(part("fcn_addon.progress"), {s: pace * t for s, t in EXPECTED.items()}, told=tuple(EXPECTED))
+    late = [(now + left) / whole for now, left, _ in seen if now > whole / 3]
+    assert max(late) < 1.5 and min(late) > 1 / 1.5
+    first = seen[0][0] + seen[0][1]
+    assert not 1 / 1.5 < first / whole < 1.5  # that is where it began
+
+
+def test_a_stage_that_is_late_and_says_nothing_makes_the_rest_longer_too(part):
+    took = {**EXPECTED, "seeding": 20.0}
+    seen = drive(part("fcn_addon.progress"), took)
+    before, after = ([left for now, left, _ in seen if now == at] for at in (2.0, 22.0))
+    assert before[0] == pytest.approx(18.0) and after[0] > 14.0
+
+
+def test_stages_that_are_passed_over_are_not_waited_for(part):
+    run = part("fcn_addon.progress").Progress(EXPECTED, 0.0)
+    run.update("blast", 0.0, 0.0)
+    run.update("completion", 0.0, 2.0)
+    assert run.left(2.0) == pytest.approx(4.0)
+
+
+def test_better_numbers_are_taken_in_while_it_runs(part):
+    run = part("fcn_addon.progress").Progress(EXPECTED, 0.0)
+    run.update("blast", 0.0, 0.0)
+    run.update("seeding", 0.0, 2.0)
+    run.expect({**EXPECTED, "growth": 40.0}, now=2.0)
+    assert run.left(2.0) == pytest.approx(48.0)
+    assert run.left(7.0) == pytest.approx(43.0)
+
+
+def test_before_anything_is_expected_nothing_is_done(part):
+    run = part("fcn_addon.progress").Progress({}, 0.0)
+    run.update("blast", 0.5, 1.0)
+    run.look(2.0)
+    assert run.fraction == 0
+    run.expect(EXPECTED)
+    run.look(2.0)
+    assert 0 < run.fraction < 0.5 and run.left(2.0) > 10

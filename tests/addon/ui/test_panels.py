@@ -208,7 +208,7 @@ def test_during_a_run(panels, bpy, part, wall, work):
         assert any(re.fullmatch(r"0% +[\d.]+ s left", text) for text in said)
         assert session.current().job.join(5)
         session.tick()
-        assert "Matching curves" in panels()[0]
+        assert "Fitting lines and arcs" in panels()[0]
         session.cancel()
         session.tick()
         assert "Stopping…" in panels()[0]

@@ -174,3 +174,61 @@ def test_the_points_given_stay_as_they_were():
     before = points.copy()
     fit_curve(points)
     assert (points == before).all()
+
+
+def lines_and_a(target, sigma, seed, *ends, overlap=0.0):
+    """A noisy curve and noisy straight lines from it to `ends`; they stop short of it, or run over it, by `overlap`."""
+    rng = np.random.default_rng(seed)
+    curves = [target + sigma * rng.normal(size=target.shape)]
+    for foot, end in ends:
+        foot, end = np.asarray(foot, float), np.asarray(end, float)
+        start = foot - overlap * (end - foot) / np.linalg.norm(end - foot)
+        line = start + np.linspace(0, 1, 50)[:, None] * (end - start)
+        curves.append(line + sigma * rng.normal(size=line.shape))
+    return curves
+
+
+@pytest.mark.parametrize("overlap", [0.015, -0.015])
+@pytest.mark.parametrize("first", [False, True])
+def test_an_end_that_touches_the_middle_of_another_curve_lies_on_it(overlap, first):
+    sill = np.linspace([0, 0, 0], [4.0, 0, 0], 160)
+    curves = lines_and_a(sill, 0.01, 3, ([1, 0, 0], [1, 1, 0]), ([3, 0, 0], [3, 1, 0]), overlap=overlap)
+    if first:
+        curves = [curve[::-1] for curve in curves[::-1]]
+    fitted = fit_curves(curves, [False] * 3, sigma=0.01)
+    (along,) = [f.primitives[0] for f in fitted if f.primitives[0].length > 2]
+    posts = [f.primitives[0] for f in fitted if f.primitives[0].length < 2]
+    way = (along.end - along.start) / along.length
+    for post in posts:
+        foot = min((post.start, post.end), key=lambda p: abs(p[1])) - along.start
+        assert np.linalg.norm(foot - (foot @ way) * way) < 1e-12
+        assert 0.5 < foot @ way < 3.5
+    assert all(f.deviation <= f.noise for f in fitted)
+
+
+@pytest.mark.parametrize("shape", ["arc", "circle", "bezier"])
+def test_an_end_lies_on_a_bent_curve_that_it_touches(shape):
+    angle = np.linspace(0, 2 * np.pi * (1 if shape == "circle" else 0.4), 200)[: 199 if shape == "circle" else None]
+    target = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
+    if shape == "bezier":
+        t = np.linspace(0, 1, 200)[:, None]
+        target = np.concatenate([3 * t, t * t * (3 - 2 * t), 0.4 * t**3], axis=1)
+    touch = target[70]
+    curves = lines_and_a(target, 0.005, 8, (touch, touch + [0.3, 1.5, 0.2]), overlap=-0.01)
+    bent, straight = fit_curves(curves, [shape == "circle", False], sigma=0.005)
+    assert [p.kind for p in bent.primitives] == [shape] and [p.kind for p in straight.primitives] == ["line"]
+    foot = min((straight.primitives[0].start, straight.primitives[0].end), key=lambda p: np.linalg.norm(p - touch))
+    (piece,) = bent.primitives
+    t = np.linspace(0, 1, 20001) if shape == "bezier" else np.linspace(-np.pi, np.pi, 20001)
+    if shape == "arc":
+        t = t * piece.angle / 2 / np.pi
+    assert np.linalg.norm(piece.at(t) - foot, axis=1).min() < 2e-4  # half a step of that many points
+    assert straight.deviation <= straight.noise
+
+
+def test_an_end_that_is_further_away_than_the_noise_stays_where_it_is():
+    sill = np.linspace([0, 0, 0], [4.0, 0, 0], 160)
+    curves = lines_and_a(sill, 0.01, 3, ([1, 0, 0], [1, 1, 0]), overlap=-0.2)
+    alone = fit_curve(curves[1], sigma=0.01)
+    _, together = fit_curves(curves, [False] * 2, sigma=0.01)
+    assert together.primitives[0].start.tolist() == alone.primitives[0].start.tolist()
