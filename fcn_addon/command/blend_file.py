@@ -21,6 +21,7 @@ from ..result import writer
 from ..result.views import ROLE
 from ..scans import Scan
 from ..scene import importers, origin
+from ..scene.families import within
 from ..scene.libraries import require_libraries
 from ..shifts import moved_completion, moved_curves, shift_for
 
@@ -124,7 +125,7 @@ def _nothing(choice, skipped) -> str:
 def _own_results() -> set:
     """The objects of results that this program has made."""
     roots = {c for c in bpy.data.collections if any(ROLE in child for child in c.children)}
-    return {item for root in roots for item in root.all_objects}
+    return {item for root in roots for item in within(root)}
 
 
 def _elsewhere() -> list:
