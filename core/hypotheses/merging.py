@@ -15,6 +15,7 @@ from ..evidence.alignment import align
 from ..evidence.field import Field, Probe
 from ..evidence.odds import LEAST_CHANCE
 from ..geometry.motions import inverse
+from ..transformations.description import describe
 from .extent import chance_of, extended, spread
 from .growth import ORBIT_POSE, SAME_POSE, rescored
 from .hypothesis import SPACING, Hypothesis
@@ -34,6 +35,10 @@ def merged(field: Field, thing: Hypothesis, taken) -> Hypothesis:
     if len(thing) < 4:
         return thing
     inner, first, second = _pairing(thing)
+    strand = describe(thing).strand
+    apart = (strand[first] != strand[second]) | (strand[first] < 0)
+    # Partners that one step of an orbit leads to are cells beside each other.
+    first, second = first[apart], second[apart]
     if len(first) and thing.differences((inner @ inner)[None], np.eye(4)[None])[0, 0] < SAME_POSE:
         first, second = _alike(thing, first, second)
     if not len(first) or len(thing) - len(first) < 2 or 2 * len(first) < PAIRED * len(thing):
