@@ -168,7 +168,8 @@ def test_the_advice_works_when_it_is_tried(folder, fcn, length):
 def test_an_edge_length_from_drawn_lines_is_said_to_be_coarse(folder, fcn):
     (folder / "in.obj").write_text(as_obj(window_row(2), joined=True))
     said = fcn("in.obj")[1]
-    assert "edge length 0.05112 (coarse: taken for a drawing, a fiftieth of a typical outline, which measures 2.56" in said
+    assert "edge length 0.05112 (coarse: taken for a drawing, a fiftieth of a typical outline," in said
+    assert "which measures 2.56; --edge-length or --surface set it)" in said
 
 
 def test_l0_that_is_longer_than_all_curves(folder, fcn):

@@ -134,7 +134,7 @@ def test_the_edge_length_is_estimated():
 
 
 def drawn(count=5, arc=12):
-    """Polylines of a row of windows from corner to corner; the frames measure (1.2, 1.8) and the arches are 0.8 wide."""
+    """Polylines of a row of windows from corner to corner; the frames are 1.2 by 1.8, the arches 0.8 wide."""
     t = np.linspace(0, np.pi, arc + 1)
     frame = np.array([(0, 0, 0), (1.2, 0, 0), (1.2, 0, 1.8), (0, 0, 1.8), (0, 0, 0)])
     inner = np.array([(0.2, 0, 0.2), (0.2, 0, 1.2), *np.c_[0.6 - 0.4 * np.cos(t), 0 * t, 1.2 + 0.4 * np.sin(t)][1:]])
