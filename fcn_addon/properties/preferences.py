@@ -27,6 +27,7 @@ class FCN_AP_preferences(bpy.types.AddonPreferences):
         layout.use_property_split = True
         layout.prop(self, "form")
         layout.prop(self, "threads")
+        layout.operator("fcn.manual", icon="HELP")
         layout.label(text="Shortcuts are off until switched on: Preferences > Keymap, search for Feature Curves")
 
 

@@ -26,6 +26,7 @@ class Driver:
         self.pictures = pictures
         os.makedirs(pictures, exist_ok=True)
         self.notes = []
+        self.clicks = 0  # of the left button, that a user would make
         self.places = {}  # what was seen under the mouse -> where
 
     @property
@@ -90,6 +91,7 @@ class Driver:
 
     def click(self, x, y):
         """Move there and press the left button; a generator."""
+        self.clicks += 1
         self.move(x - 1, y)
         yield 0.05
         self.move(x, y)
