@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The manual that comes with the extension, as a page for a browser: docs/blender.md, made into HTML when it is asked for.
+"""The manual that comes with the extension, as a page for a browser: docs/blender.md, made into HTML when asked for.
 
 It needs no network and is always that of the version that is installed.
 """

@@ -9,7 +9,7 @@ import bpy
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from driver import EXTENSION, Driver  # noqa: E402
-from whole_session import CATEGORY, prepare, settings  # noqa: E402
+from whole_session import CATEGORY, settings, small  # noqa: E402
 
 THREAD = "feature curve completion"
 
@@ -30,7 +30,7 @@ def session(driver):
         with driver.context():
             assert bpy.ops.fcn.complete("INVOKE_DEFAULT") == {"RUNNING_MODAL"}
 
-    prepare(driver)
+    small(driver)
     yield from driver.sidebar(CATEGORY)
     bpy.ops.ed.undo_push(message="ready")
 
@@ -73,7 +73,7 @@ def session(driver):
     assert counts() == [before[0] - 1, *before[1:]], (before, counts())
 
     print("-- a file is loaded while it runs", flush=True)
-    prepare(driver)
+    small(driver)
     start()
     yield 0.5
     assert threads()
@@ -84,7 +84,7 @@ def session(driver):
     print("-- the add-on is switched off while it runs, and on again", flush=True)
     bpy.ops.wm.read_homefile()
     yield 0.5
-    prepare(driver)
+    small(driver)
     before = counts()
     start()
     yield 0.5

@@ -87,11 +87,11 @@ def walk(driver, folder):
 def there_and_back(driver, start, end, most=14):
     """Undo to the start, redo to the end."""
     for wanted, again in ((start, False), (end, True)):
-        for step in range(most):
-            if not steps.difference(lasting(wanted), lasting(record(driver))):
-                break
+        step = 0
+        while steps.difference(lasting(wanted), lasting(record(driver))) and step < most:
             yield from undo(driver, again)
             yield 0.1
+            step += 1
         gap = steps.difference(lasting(wanted), lasting(record(driver)))
         assert not gap, f"{'redo' if again else 'undo'}: {gap}"
         driver.note(f"{'redo to the end' if again else 'undo to the start'}: {step} steps")

@@ -51,7 +51,8 @@ def test_the_page_is_whole_and_its_pictures_are_there(page):
 
 
 def test_markdown_becomes_what_it_means(part):
-    text = "# A & B\n\n1. *one*\n   goes on\n2. `x * y`\n\n| a | b |\n|---|---|\n| **c** | [d](#a--b) |\n\nlast [line](x.md)\n"
+    text = "# A & B\n\n1. *one*\n   goes on\n2. `x * y`\n\n| a | b |\n|---|---|\n| **c** | [d](#a--b) |\n\n"
+    text += "last [line](x.md)\n"
     found = part("fcn_addon.manual").page(text, ".")
     for wanted in (
         '<h1 id="a--b">A &amp; B</h1>', "<ol><li><i>one</i> goes on</li><li><code>x * y</code></li></ol>",
