@@ -13,23 +13,26 @@ from ..fcn_addon.wording import counted
 from .sidebar import Sidebar
 
 
+def _kept_row(layout, item, **words):
+    """A row of a list with what can be kept or rejected: the box, what it is, and its support."""
+    row = layout.row(align=True)
+    row.prop(item, "kept", text="", icon="CHECKBOX_HLT" if item.kept else "CHECKBOX_DEHLT", emboss=False)
+    name = row.row()
+    name.active = item.kept
+    name.label(translate=False, **words)
+    share = row.row()
+    share.alignment = "RIGHT"
+    share.active = item.kept
+    share.label(text=f"{item.support:.0%}", translate=False)
+    return row
+
+
 class FCN_UL_transformations(bpy.types.UIList):
     bl_idname = "FCN_UL_transformations"
 
     def draw_item(self, context, layout, data, item, icon, active_data, active_property, index):
-        row = layout.row(align=True)
-        row.prop(item, "kept", text="", icon="CHECKBOX_HLT" if item.kept else "CHECKBOX_DEHLT", emboss=False)
-        name = row.row()
-        name.active = item.kept
-        name.label(
-            text=f"{item.short}, {counted(item.count, 'place')}",
-            icon=stored.ICONS.get(item.kind, "DOT"),
-            translate=False,
-        )
-        share = row.row()
-        share.alignment = "RIGHT"
-        share.active = item.kept
-        share.label(text=f"{item.support:.0%}", translate=False)
+        text = f"{item.short}, {counted(item.count, 'place')}"
+        row = _kept_row(layout, item, text=text, icon=stored.ICONS.get(item.kind, "DOT"))
         row.operator("fcn.select_transformation", text="", icon="RESTRICT_SELECT_OFF", emboss=False).index = index
 
 
@@ -53,14 +56,7 @@ class FCN_UL_places(bpy.types.UIList):
     bl_idname = "FCN_UL_places"
 
     def draw_item(self, context, layout, data, item, icon, active_data, active_property, index):
-        row = layout.row(align=True)
-        row.prop(item, "kept", text="", icon="CHECKBOX_HLT" if item.kept else "CHECKBOX_DEHLT", emboss=False)
-        name = row.row()
-        name.active = item.kept
-        name.label(text=item.name, translate=False)
-        share = row.row()
-        share.alignment = "RIGHT"
-        share.label(text=f"{item.support:.0%}", translate=False)
+        row = _kept_row(layout, item, text=item.name)
         button = row.operator("fcn.select_template", text="", icon="RESTRICT_SELECT_OFF", emboss=False)
         button.index, button.place = -1, index
 
