@@ -16,6 +16,7 @@ from .result_panel import (
     FCN_PT_occurrence,
     FCN_PT_result,
     FCN_PT_transformations,
+    FCN_PT_use,
     FCN_UL_places,
     FCN_UL_templates,
     FCN_UL_transformations,
@@ -34,6 +35,7 @@ CLASSES = (
     FCN_PT_result,
     FCN_PT_occurrence,
     FCN_PT_transformations,
+    FCN_PT_use,
     menu.FCN_MT_object,
 )
 HERE = str(Path(__file__).resolve().parent)  # Blender looks for presets/fcn_addon in it

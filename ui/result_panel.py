@@ -13,6 +13,14 @@ from ..fcn_addon.wording import counted
 from .sidebar import Sidebar
 
 
+class OfResult(Sidebar):
+    """A panel that is there while there is a result."""
+
+    @classmethod
+    def poll(cls, context):
+        return stored.active(context.scene) is not None
+
+
 def _kept_row(layout, item, **words):
     """A row of a list with what can be kept or rejected: the box, what it is, and its support."""
     row = layout.row(align=True)
@@ -61,12 +69,8 @@ class FCN_UL_places(bpy.types.UIList):
         button.index, button.place = -1, index
 
 
-class FCN_PT_result(Sidebar, bpy.types.Panel):
+class FCN_PT_result(OfResult, bpy.types.Panel):
     bl_label = "Result"
-
-    @classmethod
-    def poll(cls, context):
-        return stored.active(context.scene) is not None
 
     def draw(self, context):
         layout = self.layout
@@ -85,30 +89,27 @@ class FCN_PT_result(Sidebar, bpy.types.Panel):
             views.prop_enum(result, "view", view)
         layout.prop(result, "support", text="Hide Below Support", slider=True)
         row = layout.row()
-        row.template_list(FCN_UL_templates.bl_idname, "", result, "template_rows", result, "active_template", rows=4)
+        row.template_list(
+            FCN_UL_templates.bl_idname, "", result, "template_rows", result, "active_template", rows=3, maxrows=3
+        )
         side = row.column(align=True)
         side.prop(result, "solo", text="", icon="SOLO_ON" if result.solo else "SOLO_OFF")
         side.operator("fcn.restore", text="", icon="LOOP_BACK")
-        layout.template_list(FCN_UL_places.bl_idname, "", result, "places", result, "active_place", rows=3)
-        layout.operator_menu_enum("fcn.apply", "kind", icon="OUTLINER_OB_CURVE")
-        layout.prop(result, "attributes")
-        layout.prop(result, "scan_locked")
+        layout.template_list(FCN_UL_places.bl_idname, "", result, "places", result, "active_place", rows=3, maxrows=3)
 
 
-class FCN_PT_transformations(Sidebar, bpy.types.Panel):
+class FCN_PT_transformations(OfResult, bpy.types.Panel):
     bl_label = "How It Repeats"
     bl_parent_id = "FCN_PT_result"
     bl_options = {"DEFAULT_CLOSED"}
-
-    @classmethod
-    def poll(cls, context):
-        return stored.active(context.scene) is not None
 
     def draw(self, context):
         layout = self.layout
         layout.enabled = not session.running()
         result = stored.active(context.scene).fcn_result
-        layout.template_list(FCN_UL_transformations.bl_idname, "", result, "transformations", result, "active", rows=4)
+        layout.template_list(
+            FCN_UL_transformations.bl_idname, "", result, "transformations", result, "active", rows=4, maxrows=4
+        )
         _draw_transformation(layout, stored.active_transformation(context.scene))
 
 
@@ -133,7 +134,7 @@ def _said(row):
     )
 
 
-class FCN_PT_occurrence(Sidebar, bpy.types.Panel):
+class FCN_PT_occurrence(OfResult, bpy.types.Panel):
     bl_label = "Occurrence"
     bl_parent_id = "FCN_PT_result"
 
@@ -145,15 +146,31 @@ class FCN_PT_occurrence(Sidebar, bpy.types.Panel):
         if item is not None and item.get("occurrence", -1) >= 0:
             text = item.name if "support" not in item else f"{item.name}: {item['support']:.0%}"
         layout.label(text=text, translate=False)
-        column = layout.column(align=True)
-        column.operator("fcn.select_occurrence", icon="RESTRICT_SELECT_OFF")
-        column.operator("fcn.select_source", icon="BACK")
-        column.operator("fcn.select_result", icon="FORWARD")
-        column = layout.column(align=True)
-        column.prop(context.scene.fcn, "edit_alone")
+        buttons = layout.grid_flow(row_major=True, columns=0, even_columns=True, align=True)
         editing = context.mode != "OBJECT"
-        column.operator("fcn.edit_template", text="Finish Editing" if editing else "Edit Template", icon="EDITMODE_HLT")
-        column.operator("fcn.make_unique", icon="UNLINKED")
-        column = layout.column(align=True)
-        column.operator("fcn.reject_occurrence", icon="X")
-        column.operator("fcn.delete_occurrence", icon="TRASH")
+        for name, text, icon in (
+            ("fcn.edit_template", "Finish Editing" if editing else "Edit Template", "EDITMODE_HLT"),
+            ("fcn.select_occurrence", "Select Whole", "RESTRICT_SELECT_OFF"),
+            ("fcn.select_source", "Source Curves", "BACK"),
+            ("fcn.select_result", "Completed", "FORWARD"),
+            ("fcn.make_unique", "Make Unique", "UNLINKED"),
+            ("fcn.reject_occurrence", "Reject", "X"),
+            ("fcn.delete_occurrence", "Delete", "TRASH"),
+        ):
+            buttons.operator(name, text=text, icon=icon)
+        buttons.prop(context.scene.fcn, "edit_alone", text="Edit Alone")
+
+
+class FCN_PT_use(OfResult, bpy.types.Panel):
+    bl_label = "Use It"
+    bl_parent_id = "FCN_PT_result"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout = self.layout
+        layout.enabled = not session.running()
+        result = stored.active(context.scene).fcn_result
+        layout.operator_menu_enum("fcn.apply", "kind", icon="OUTLINER_OB_CURVE")
+        layout.operator("fcn.export_curves", text="Export", icon="EXPORT")
+        layout.prop(result, "attributes")
+        layout.prop(result, "scan_locked")
