@@ -174,3 +174,6 @@ class FCN_PT_use(OfResult, bpy.types.Panel):
         layout.operator("fcn.export_curves", text="Export", icon="EXPORT")
         layout.prop(result, "attributes")
         layout.prop(result, "scan_locked")
+        row = layout.row(align=True)
+        row.prop(result, "template_colour", text="")
+        row.prop(result, "strong_colour", text="")
