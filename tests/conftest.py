@@ -2,10 +2,10 @@
 """How a run of the tests ends.
 
 Blender 4.2 as a module brings the process down in exit() once anything was exported as glTF, with nothing of ours
-loaded: `import bpy; bpy.ops.export_scene.gltf(filepath="cube.glb")` ends with signal 11. Its static data are freed after
-Python is gone (`SpaceType::~SpaceType` calls `bpy_class_free`). Later versions end as they should. With 4.2 the process
-therefore ends right after pytest's last word, with pytest's own exit code. A crash within a test ends it before that, and
-that our own program ends well is tested where it runs in a process of its own.
+loaded: `import bpy; bpy.ops.export_scene.gltf(filepath="cube.glb")` ends with signal 11. Its static data are freed
+after Python is gone (`SpaceType::~SpaceType` calls `bpy_class_free`). Later versions end as they should. With 4.2 the
+process therefore ends right after pytest's last word, with pytest's own exit code. A crash within a test comes before
+that and shows; that our own program ends well is tested where it runs in a process of its own.
 """
 
 import atexit

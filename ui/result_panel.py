@@ -13,6 +13,9 @@ from ..fcn_addon.wording import counted
 from .sidebar import Sidebar
 
 
+WIDE = 240  # pixels, on a screen of usual density, from which two buttons stand side by side
+
+
 class OfResult(Sidebar):
     """A panel that is there while there is a result."""
 
@@ -146,7 +149,8 @@ class FCN_PT_occurrence(OfResult, bpy.types.Panel):
         if item is not None and item.get("occurrence", -1) >= 0:
             text = item.name if "support" not in item else f"{item.name}: {item['support']:.0%}"
         layout.label(text=text, translate=False)
-        buttons = layout.grid_flow(row_major=True, columns=0, even_columns=True, align=True)
+        wide = context.region is not None and context.region.width >= WIDE * context.preferences.system.ui_scale
+        buttons = layout.grid_flow(row_major=True, columns=2 if wide else 1, even_columns=True, align=True)
         editing = context.mode != "OBJECT"
         for name, text, icon in (
             ("fcn.edit_template", "Finish Editing" if editing else "Edit Template", "EDITMODE_HLT"),

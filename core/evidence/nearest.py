@@ -71,14 +71,16 @@ class NearestTable:
 
     def look_up(self, points):
         """Samples (...,) int32 near points (..., 3), nearest to about a voxel; any or -1 where none is in reach."""
-        at = (points - self.low) * (1 / self.voxel)
-        outer, inner = np.int32(0), np.int32(0)
-        for axis, (stride, side) in enumerate(zip(self.strides.astype(np.int32), (SIDE * SIDE, SIDE, 1))):
-            # What is outside is asked for at the border, where every sample is too far.
-            cell = np.clip(at[..., axis], 0, self.blocks[axis] * SIDE - 1).astype(np.int32)
-            outer = outer + (cell >> 3) * stride
-            inner = inner + (cell & 7) * np.int32(side)
-        return self.table[self.top[outer] * np.int32(SIDE**3) + inner]
+        cell = ((points - self.low) * (1 / self.voxel)).astype(np.int32)
+        # What is outside is asked for at the border, where every sample is too far.
+        np.maximum(cell, 0, out=cell)
+        np.minimum(cell, (self.blocks * SIDE - 1).astype(np.int32), out=cell)
+        block = cell >> 3
+        inner = cell & 7
+        a, b, _ = (np.int32(x) for x in self.strides)
+        at = self.top[block[..., 0] * a + block[..., 1] * b + block[..., 2]] * np.int32(SIDE**3)
+        at += (inner[..., 0] << 6) + (inner[..., 1] << 3) + inner[..., 2]
+        return self.table[at]
 
 
 def _one_of_each_cell(at):

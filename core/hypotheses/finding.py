@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cached_property
+from heapq import heapify, heappop, heappush
 
 import numpy as np
 
@@ -16,7 +18,7 @@ from .seeding import Seeds
 from .significance import evident, expected_by_chance
 from .splitting import split
 
-STARTS, APART, FRESH = 12, 15.0, 120
+STARTS, APART, FRESH = 8, 15.0, 80
 """Seeds that are grown in each round, edge lengths by which they must differ, and seeds among which they are chosen;
 counts that bound the work."""
 
@@ -52,9 +54,8 @@ def find_things(field: Field, seeds: Seeds, *, significance, tick=lambda: None, 
             if s not in growths:
                 growths[s] = _full_grown(field, lead, s, seeds, taken, tick)
         best = None
-        rivals = [(saving, s, thing) for s in growths for saving, thing in growths[s]]
-        for _, s, rival in sorted(rivals, key=lambda x: (-x[0], x[1])):
-            thing = evident(field, rival)
+        for s, rival in _by_saving(growths):
+            thing = evident(field, rival.thing)
             tick()
             expected = expected_by_chance(field, thing)
             if expected <= significance:
@@ -67,7 +68,7 @@ def find_things(field: Field, seeds: Seeds, *, significance, tick=lambda: None, 
                 best = replace(thing, expected=expected)
                 dead[s] = True
                 break
-            growths[s] = [x for x in growths[s] if x[1] is not rival]
+            growths[s].remove(rival)
         dead[[s for s in growths if not growths[s]]] = True
         if best is None:
             dead[list(growths)] = True
@@ -79,13 +80,38 @@ def find_things(field: Field, seeds: Seeds, *, significance, tick=lambda: None, 
         taken = taken | new
         stale[:] = True
         growths = {
-            s: x for s, x in growths.items() if not dead[s] and not any((explained(field, t) & new).any() for _, t in x)
+            s: x for s, x in growths.items() if not dead[s] and not any((explained(field, t.thing) & new).any() for t in x)
         }
     return found
 
 
+class _Growth:
+    """A full-grown thing, and the nats that it saves, worked out when they are asked for."""
+
+    def __init__(self, thing):
+        self.thing = thing
+        self.most = float(thing.scores[1:].sum())
+
+    @cached_property
+    def saves(self):
+        return saving(self.thing)
+
+
+def _by_saving(growths):
+    """Seeds and their growths, that which saves most first."""
+    heap = [(-g.most, s, k, False) for s in growths for k, g in enumerate(growths[s])]
+    rivals = {(s, k): g for s in growths for k, g in enumerate(growths[s])}
+    heapify(heap)
+    while heap:
+        _, s, k, known = heappop(heap)
+        if known:
+            yield s, rivals[s, k]
+        else:
+            heappush(heap, (-rivals[s, k].saves, s, k, True))
+
+
 def _full_grown(field, lead, s, seeds, taken, tick):
-    """What a seed comes to: nats that are saved, and the thing, a pair for each price; none where it is nothing."""
+    """What a seed comes to at each price (list); none where it is nothing."""
     start = started(field, lead.motions[s], lead.stretch[s])
     out = []
     for price in (CAREFUL, EAGER) if start is not None else ():
@@ -93,8 +119,8 @@ def _full_grown(field, lead, s, seeds, taken, tick):
         if thing is not None and thing.gain > 0:
             thing = full_grown(field, thing, seeds, taken, price=price, tick=tick)
             if len(thing) > 1 and thing.gain > 0:
-                out.append((saving(thing), thing))
-        if out and np.median(out[0][1].scores[1:]) > 2 * CAREFUL[0]:
+                out.append(_Growth(thing))
+        if out and np.median(out[0].thing.scores[1:]) > 2 * CAREFUL[0]:
             break  # Other poses of it would be worth that much, too.
     return out
 

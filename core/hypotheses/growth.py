@@ -58,7 +58,9 @@ def started(field: Field, seed_motion, stretch, *, shown=0.5) -> Hypothesis | No
     return Hypothesis(probe, chance, poses, np.zeros(2), np.zeros(2), shown)
 
 
-def grown(field: Field, thing: Hypothesis, seeds: Seeds, taken, reaches, *, price=CAREFUL, tick=lambda: None) -> Hypothesis | None:
+def grown(
+    field: Field, thing: Hypothesis, seeds: Seeds, taken, reaches, *, price=CAREFUL, tick=lambda: None
+) -> Hypothesis | None:
     """The thing after a round of growth for each reach (0 keeps its curves); None where it comes to nothing."""
     for reach in reaches:
         tick()
@@ -125,10 +127,11 @@ def with_more_poses(field: Field, thing: Hypothesis, seeds: Seeds, taken, price=
 def accepted(field, thing, poses, cost, owned):
     """The thing with those of the poses (k, 4, 4) that pay, the best first, each sample explained once."""
     known, scores, costs = [thing.poses], [thing.scores], [thing.cost]
-    alive = np.ones(len(poses), bool)
-    score = np.zeros(len(poses))
+    alive, touched = np.ones(len(poses), bool), np.ones(len(poses), bool)
+    score, centres = np.zeros(len(poses)), thing.centres(poses)
+    reach = 2 * np.linalg.norm(thing.points - thing.points.mean(axis=0), axis=1).max() + 2 * field.radius
     while alive.any():
-        left = np.flatnonzero(alive)
+        left = np.flatnonzero(alive & touched)
         score[left] = pose_scores(field, thing, poses[left], owned, beside=np.concatenate(known))[0]
         alive[left] = score[left] > cost[left]
         if not alive.any():
@@ -139,6 +142,8 @@ def accepted(field, thing, poses, cost, owned):
         scores.append(score[best : best + 1])
         costs.append(cost[best : best + 1])
         owned = owned | explained(field, thing, poses[best : best + 1])
+        # Farther ones share no sample with it.
+        touched = np.linalg.norm(centres - centres[best], axis=1) < reach
     return replace(thing, poses=np.concatenate(known), scores=np.concatenate(scores), cost=np.concatenate(costs))
 
 

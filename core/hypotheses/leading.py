@@ -33,9 +33,9 @@ def leading(field: Field, seeds: Seeds, *, tick=lambda: None) -> Seeds:
     places = Places(field, ())
     order = order[best_of_places(places, forth.source[order], forth.target[order], budget(LOOKED, len(places)))]
     lead, parts = forth.take(order), []
-    for i in range(0, len(lead), 100):
+    for i in range(0, len(lead), 50):
         tick()
-        part = lead.take(slice(i, i + 100))
+        part = lead.take(slice(i, i + 50))
         region, _, _ = _around(field, part.stretch, AROUND)
         probe = field.probe(np.maximum(region, 0))
         probe = replace(probe, points=probe.points + np.where(region < 0, 1e6, 0.0)[..., None])

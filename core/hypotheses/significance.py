@@ -26,8 +26,8 @@ NOISE = (0.5, 0.5), (0.7, 0.7), (0.9, 0.9)
 """What a scene may be like: the share of a thing that an occurrence shows, and the share of what is about it that is
 its own. The likeliest is taken."""
 
-SELECTED = 5.0
-"""Log odds that a pose must exceed to tell anything: it was the best of many that were looked at, and the poses of a
+SELECTED = 7.3
+"""Log odds that a pose must exceed to tell anything: it was the best of 1500 that were looked at, and the poses of a
 false thing are many, each a little better than chance."""
 
 BLOCK, SURE, LIKELY = 12, 2.0, 1.0
@@ -46,7 +46,7 @@ FITTED, OFF, BENT, ALONG = 20.0, 2.0, 0.04, 0.85
 """Edge lengths over which the direction of a line is fitted, edge lengths off it and share of the way along it by which
 a point of it may be off, and least cosine of their directions; tolerances."""
 
-RATE, SCALE = 0.7, 5.0
+RATE, SCALE = 0.7, 7.5
 """Things per scene without recurrence whose evidence is above 0, and the scale of its exponential tail, nats; fitted on
 scenes without recurrence (see benchmarks)."""
 
@@ -139,7 +139,8 @@ def _overlay(field, thing):
     pose = np.repeat(np.arange(len(parts)), [len(p[0]) for p in parts])
     at = samples - n.offsets[n.curve_of[samples]]
     _, block = np.unique(np.stack([pose, n.curve_of[samples], at // BLOCK]), axis=1, return_inverse=True)
-    chosen = spread(points, np.zeros(len(points)), SPACING)
+    # Samples are one edge apart: a little less than SPACING takes every other one.
+    chosen = spread(points, np.zeros(len(points)), 0.95 * SPACING)
     return Probe(points, tangents, normals, kind).take(chosen), block.ravel()[chosen]
 
 

@@ -21,6 +21,7 @@ from ..result import stored, views, writer
 from ..result.views import ROLE
 from ..scans import Scan
 from ..scene import importers, origin
+from ..scene.families import within
 from ..scene.libraries import require_libraries
 from ..scene.units import unit_length
 from ..shifts import moved_completion, moved_curves, moved_fitted, shift_for
@@ -125,7 +126,7 @@ def _nothing(choice, skipped) -> str:
 def _own_results() -> set:
     """The objects of results that this program has made."""
     roots = {c for c in bpy.data.collections if any(ROLE in child for child in c.children)}
-    return {item for root in roots for item in root.all_objects}
+    return {item for root in roots for item in within(root)}
 
 
 def _elsewhere() -> list:

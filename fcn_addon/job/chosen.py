@@ -7,6 +7,7 @@ from ..reading import left_out, reader, shown
 from ..reading.edge_length import mean_edge_length
 from ..reading.left_out import LeftOut
 from ..result import stored
+from ..scene.families import within
 from ..wording import LEAVE_EDIT_MODE
 
 
@@ -37,8 +38,8 @@ def _selected(context) -> list:
 
 def _of_collection(collection):
     """The objects of a collection and of those inside it, without results that a user has put there."""
-    made = {item for root in collection.children_recursive if root.fcn_result.is_result for item in root.all_objects}
-    return [item for item in collection.all_objects if item not in made]
+    made = {item for root in collection.children_recursive if root.fcn_result.is_result for item in within(root)}
+    return [item for item in within(collection) if item not in made]
 
 
 def _taken(context, objects) -> list:
@@ -139,5 +140,5 @@ def _of_result(context):
     if is_again(context):
         return None
     objects = set(chosen(context))
-    root = next((r for r in stored.of_scene(context.scene) if objects and objects.issubset(r.all_objects)), None)
+    root = next((r for r in stored.of_scene(context.scene) if objects and objects.issubset(within(r))), None)
     return None if root is None else root.fcn_result.edge_length

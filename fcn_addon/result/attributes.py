@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import bpy
 
+from ..scene.families import within
 from .views import ROLE
 
 NAME = "FCN Attributes"
@@ -29,7 +30,7 @@ def switch(root, on):
     O(objects). With it Blender evaluates every object for itself, which takes about twice as long.
     """
     nodes = _nodes() or (_make() if on else None)
-    for item in root.all_objects:
+    for item in within(root):
         if "support" in item and item.type == "CURVE":
             mine = [m for m in item.modifiers if m.type == "NODES" and m.node_group == nodes]
             if on and not mine:

@@ -10,6 +10,7 @@ from ...core.errors import InputError
 from .. import colours
 from ..reading import reader
 from ..scene import curve_data
+from ..scene.families import within
 from . import stored
 
 LABELS = ("template", "component", "occurrence")
@@ -18,7 +19,7 @@ LABELS = ("template", "component", "occurrence")
 def visible_curves(root) -> list:
     """The completed curves of a result that can be seen now."""
     homes = [home for home in (stored.child(root, "templates"), stored.child(root, "strong")) if home]
-    return [o for home in homes for o in home.all_objects if "support" in o and o.visible_get()]
+    return [o for home in homes for o in within(home) if "support" in o and o.visible_get()]
 
 
 def make(root, context, kind):

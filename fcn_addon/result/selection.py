@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from ..scene.families import children
+from ..scene.families import children, within
 from . import stored
 
 
@@ -35,9 +35,9 @@ def of_transformation(row) -> list:
 
 
 def results_of(scene, objects) -> list:
-    """The results that objects belong to. A collection is walked for each look-up, so it is asked once for all."""
+    """The results that objects belong to."""
     objects = set(objects)
-    return [root for root in stored.of_scene(scene) if not objects.isdisjoint(root.all_objects)]
+    return [root for root in stored.of_scene(scene) if not objects.isdisjoint(within(root))]
 
 
 def select(context, objects, active=None) -> int:

@@ -24,6 +24,7 @@ from bpy.types import PropertyGroup
 from .. import colours
 from ..detected import scan_lock
 from ..registration import register_classes, unregister_classes
+from ..scene.families import within
 from ..wording import description, titles
 from . import attributes, templates, views
 
@@ -227,7 +228,7 @@ def remove(root):
     """Remove a result with all data that nothing else uses; what is also linked elsewhere stays."""
     scan_lock.unlock(root)
     tree = {root, *root.children_recursive}
-    remove_objects([o for o in root.all_objects if tree.issuperset(o.users_collection)], tree)
+    remove_objects([o for o in within(root) if tree.issuperset(o.users_collection)], tree)
 
 
 def remove_objects(objects, collections=()):

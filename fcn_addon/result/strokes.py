@@ -6,6 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..scene.curve_data import spline_points
+from ..scene.families import within
 from . import stored
 
 
@@ -27,7 +28,7 @@ def collect(context, viewport=None):
     groups, known = {}, set()
     for root in stored.shown_in(context.scene):
         known.update((root.session_uid, *(c.session_uid for c in root.children_recursive)))
-        for item in root.all_objects:
+        for item in within(root):
             known.add(item.session_uid)
             if item.type == "CURVE":
                 known.add(item.data.session_uid)

@@ -11,7 +11,7 @@ from bpy.props import BoolProperty, FloatProperty, FloatVectorProperty, IntPrope
 from bpy.types import PropertyGroup
 
 from .. import colours
-from ..scene.families import children
+from ..scene.families import children, within
 from ..wording import letters
 from . import views
 
@@ -21,7 +21,7 @@ PART = "support"  # a custom property that the curves of occurrences have, and t
 def of_template(root, ident) -> list:
     """All objects of a template's occurrences, empties and curves."""
     home = views.child(root, "templates")
-    return [] if home is None else [item for item in home.all_objects if item.get("template", -1) == ident]
+    return [] if home is None else [item for item in within(home) if item.get("template", -1) == ident]
 
 
 def holders(root, ident) -> list:
@@ -35,14 +35,14 @@ def count(root):
     rows = root.fcn_result.template_rows
     left = {row.ident: [0, 0] for row in rows}
     home = views.child(root, "templates")
-    for item in home.all_objects if home else ():
+    for item in within(home) if home else ():
         if PART not in item and item.get("template", -1) in left:
             left[item["template"]]["rejected" in item] += 1
     for row in rows:
         row.count, row.rejected = left[row.ident]
     fill_places(root)
     for row in root.fcn_result.transformations:
-        mine = row.home.all_objects if row.home else ()
+        mine = within(row.home) if row.home else ()
         row.count = sum(PART not in item and "rejected" not in item for item in mine)
         row.curves = sum(PART in item and "rejected" not in item for item in mine)
 
@@ -98,7 +98,7 @@ def fill_places(root):
 def _kept(place, _context):
     """Called by Blender: take this occurrence out of the result or back in."""
     root = place.id_data
-    item = root.all_objects.get(place.name)
+    item = next((o for o in within(root) if o.name == place.name), None)
     if item is not None and ("rejected" in item) == place.kept:
         set_rejected(item, not place.kept)
         views.refresh(root)

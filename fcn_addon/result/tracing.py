@@ -10,6 +10,7 @@ import numpy as np
 
 from ...core.parameters import Parameters
 from ..scene.curve_data import spline_points
+from ..scene.families import within
 from . import selection, stored
 
 MOST = 0.5  # share of a curve's points that must lie at an occurrence for the curve to belong to it
@@ -89,7 +90,7 @@ def parts_of_points(root, chosen, mesh) -> list:
     templates = stored.child(root, "templates")
     found = []
     for component in np.unique(mesh.component[chosen & (mesh.component >= 0)]):
-        parts = [o for o in templates.all_objects if selection.is_part(o) and o["component"] == component]
+        parts = [o for o in within(templates) if selection.is_part(o) and o["component"] == component]
         points, owner = points_of(parts, root.fcn_result.edge_length)
         if len(points):
             asked = mesh.points[chosen & (mesh.component == component)]

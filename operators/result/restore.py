@@ -6,6 +6,7 @@ from __future__ import annotations
 import bpy
 
 from ...fcn_addon.result import stored, templates, views
+from ...fcn_addon.scene.families import within
 from ..base import OnResult
 
 
@@ -18,7 +19,7 @@ class FCN_OT_restore(OnResult, bpy.types.Operator):
 
     def execute(self, context):
         root = stored.active(context.scene)
-        rejected = [item for item in root.all_objects if "rejected" in item]
+        rejected = [item for item in within(root) if "rejected" in item]
         for item in rejected:
             del item["rejected"]
         for row in root.fcn_result.transformations:

@@ -92,9 +92,9 @@ def curves(part):
 def arcs():
     """Makes OBJ text: equal wavy curves one step apart, and a stray one; the edge length is 0.1."""
 
-    def make(count=4, *, stray=True, step=6.0, noise=0.01, shift=0.0, seed=5):
+    def make(count=3, *, stray=True, step=6.0, noise=0.01, shift=0.0, seed=5, length=7.0):
         rng = np.random.default_rng(seed)
-        along = np.arange(0, 9, 0.1)
+        along = np.arange(0, length, 0.1)
         wave = np.c_[along, np.sin(along) + 0.3 * np.cos(2.3 * along), 0.5 * np.cos(1.7 * along)]
         lines = [wave + [0, step * i, 0] + noise * rng.normal(size=wave.shape) for i in range(count)]
         if stray:

@@ -24,15 +24,15 @@ STAGES = ["blast", "seeding", "growth", "orbits", "selection", "completion"]
 STEP = naive.rigid(shift=[2.1, 0.3, 0])
 
 
-def planted(seed=3, *, noise=0.15):
-    """Five things in a row, each with a curve missing or cut, a long curve of its own and some clutter.
+def planted(seed=3, *, noise=0.15, cells=CELLS):
+    """Things in a row, each with a curve missing or cut, a long curve of its own and some clutter.
 
     Returns the curves, the true curves of one thing and the indices of the long curve and of the clutter.
     """
     rng = np.random.default_rng(seed)
     thing = [H * c for c in shapes.ornament(rng, 4, size=16, count=60)]
     curves = []
-    for k in range(CELLS):
+    for k in range(cells):
         m = np.linalg.matrix_power(STEP, k)
         for i, c in enumerate(thing):
             if k == 2 and i == 1:
@@ -52,8 +52,23 @@ def scene():
 
 
 @pytest.fixture(scope="module")
-def completion(scene):
-    return complete(Curves.from_list(scene[0]), edge_length=H)
+def small():
+    """The curves of a shorter row: enough to go through all stages."""
+    return planted(cells=3)[0]
+
+
+@pytest.fixture(scope="module")
+def told():
+    """(stage, fraction, seconds) of all progress while `completion` was made."""
+    return []
+
+
+@pytest.fixture(scope="module")
+def completion(scene, told):
+    def progress(stage, fraction):
+        told.append((stage, fraction, time.perf_counter()))
+
+    return complete(Curves.from_list(scene[0]), edge_length=H, progress=progress)
 
 
 def placed(completion):
@@ -151,25 +166,23 @@ def test_threads_and_blocks_do_not_change_the_result(completion, scene):
     assert got.work == completion.work
 
 
-def test_the_input_is_not_modified(scene):
-    curves = Curves.from_list(scene[0], strength=[np.linspace(0, 1, len(c)) for c in scene[0]])
+def test_the_input_is_not_modified(small):
+    curves = Curves.from_list(small, strength=[np.linspace(0, 1, len(c)) for c in small])
     for array in (curves.points, curves.offsets, curves.closed, curves.strength, curves.source):
         array.flags.writeable = False
     complete(curves, edge_length=H)
 
 
-def test_progress_tells_the_stages_in_order(scene):
-    told = []
-    complete(Curves.from_list(scene[0]), edge_length=H, progress=lambda stage, f: told.append((stage, f)))
+def test_progress_tells_the_stages_in_order(completion, told):
     assert [stage for stage, _ in groupby(told, key=lambda x: x[0])] == STAGES
     for stage in STAGES:
-        shares = [f for s, f in told if s == stage]
+        shares = [f for s, f, _ in told if s == stage]
         assert shares[0] == 0 and shares[-1] == 1 and min(shares) >= 0 and max(shares) <= 1
         assert shares == sorted(shares), stage
 
 
 @pytest.mark.parametrize("stage", STAGES)
-def test_a_stop_is_prompt(scene, stage):
+def test_a_stop_is_prompt(small, stage):
     asked = []
 
     def progress(now, fraction):
@@ -178,15 +191,13 @@ def test_a_stop_is_prompt(scene, stage):
             raise Cancelled
 
     with pytest.raises(Cancelled):
-        complete(Curves.from_list(scene[0]), edge_length=H, progress=progress)
+        complete(Curves.from_list(small), edge_length=H, progress=progress)
     assert time.perf_counter() - asked[0] < 0.5 and len(asked) == 1
 
 
-def test_progress_is_told_often_enough_to_stop(scene):
-    times = []
-    complete(Curves.from_list(scene[0]), edge_length=H, progress=lambda *_: times.append(time.perf_counter()))
+def test_progress_is_told_often_enough_to_stop(completion, told):
     # half a second on an idle machine; the tests may share theirs
-    assert np.diff(times).max() < 2.0
+    assert np.diff([when for *_, when in told]).max() < 2.0
 
 
 def test_no_strong_curve_says_so_and_suggests_l0():

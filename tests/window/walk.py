@@ -73,7 +73,7 @@ def walk(driver, folder, known=RECORD):
     yield from driver.key("A")
     yield from driver.key("G")
     yield from driver.key("X")
-    yield from driver.key("ONE")
+    yield from driver.key("ONE", unicode="1")
     yield from driver.key("RET")
     yield from driver.key("TAB")
     yield lambda: bpy.context.mode == "OBJECT" and not driver.area.spaces.active.overlay.show_fade_inactive

@@ -28,12 +28,12 @@ def test_everything_it_can_write(folder, fcn, bpy):
     assert code == 0, said
     assert sorted(os.listdir()) == ["in.obj", "r.blend", "r.json", "r.obj", "r.png"]
     report = json.loads((folder / "r.json").read_text())
-    assert report["input"]["curves"] == len(report["inputs"]) == 5
+    assert report["input"]["curves"] == len(report["inputs"]) == 4
     assert report["input"]["edge_length"] == 0.1
-    assert [i["kind"] for i in report["inputs"]][:4] == ["template"] * 4
-    assert (folder / "r.obj").read_text().count("\nl ") == len(report["curves"]) >= 4
+    assert [i["kind"] for i in report["inputs"]][:3] == ["template"] * 3
+    assert (folder / "r.obj").read_text().count("\nl ") == len(report["curves"]) >= 3
     assert (folder / "r.png").read_bytes().startswith(b"\x89PNG")
-    assert "5 curves" in said and "edge length 0.1 (as given)" in said and "wrote r.blend" in said
+    assert "4 curves" in said and "edge length 0.1 (as given)" in said and "wrote r.blend" in said
     bpy.ops.wm.open_mainfile(filepath=str(folder / "r.blend"))
     assert [c.name for c in bpy.context.scene.collection.children] == ["FCN in"]
     # As the panel would have made it: curves with handles, and a result that can be worked with.
@@ -382,7 +382,7 @@ def test_inputs_without_curves_are_passed_over_until_all_are(folder, fcn):
     code, said = fcn("points.obj", "in.obj", "cloud.txt", "--edge-length", "0.1", "--report", "r.json")
     assert code == 0
     assert "passed over: points.obj: no `l` lines" in said and "passed over: cloud.txt: this is a point cloud" in said
-    assert json.loads((folder / "r.json").read_text())["input"]["curves"] == 5
+    assert json.loads((folder / "r.json").read_text())["input"]["curves"] == 4
     code, said = fcn("points.obj", "cloud.txt")
     assert (code, said.count("\n")) == (2, 1)
     assert "no input has curves: points.obj: no `l`" in said and "cloud.txt: this is a point cloud" in said

@@ -51,7 +51,7 @@ def random_scene(rng):
 def test_the_best_match_of_every_pair_is_found():
     """Compared is where the stretch goes, not the motion: a flat or straight stretch leaves part of that free."""
     matched = missed = 0
-    for seed in range(20):
+    for seed in range(10):
         net = shapes.network(random_scene(np.random.default_rng(seed)))
         found = run(net)
         for i in range(len(net)):
@@ -62,7 +62,7 @@ def test_the_best_match_of_every_pair_is_found():
                 matched += 1
                 _, away = gaps(net, found, i, j, best)
                 missed += not (away <= 2).any()
-    assert matched > 80
+    assert matched > 40
     assert missed <= 0.01 * matched, f"{missed} of {matched}"
 
 
