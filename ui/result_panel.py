@@ -12,7 +12,6 @@ from ..fcn_addon.scene import origin
 from ..fcn_addon.wording import counted
 from .sidebar import Sidebar
 
-
 WIDE = 240  # pixels, on a screen of usual density, from which two buttons stand side by side
 
 
