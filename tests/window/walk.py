@@ -44,7 +44,9 @@ def occurrence(number, template=None):
 
 
 def click_on(driver, item):
-    """A click in the viewport on the middle of a curve's first segment; a generator."""
+    """All in view, and a click on the middle of a curve's first segment; a generator."""
+    yield from driver.key("HOME")
+    yield 0.3
     yield from driver.click(*steps.place_of(driver, item))
     yield 0.2
     active = bpy.context.view_layer.objects.active
