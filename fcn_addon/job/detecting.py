@@ -114,7 +114,7 @@ def work(task, report, expect=lambda seconds: None) -> Made:
         if known is None or known.fingerprint != fingerprint or known.detail != task.parameters.detail:
             mesh = detection.TriangleMesh.of(task.scan.points, task.scan.triangles, progress=report)
             field = detection.measure(mesh, parameters=task.parameters, progress=report)
-            known = Measured(fingerprint, task.parameters.detail, mesh, field)
+            known = Measured(fingerprint, task.parameters.detail, mesh, field, mesh.edge_length)
         found = detection.detect(
             known.mesh, parameters=task.parameters, field=known.field, progress=report, **task.kinds
         )
