@@ -81,11 +81,11 @@ def walk(driver, folder, known=RECORD):
     yield lambda: bpy.context.mode == "OBJECT" and not driver.area.spaces.active.overlay.show_fade_inactive
     assert record(driver)["shapes"] != before, "nothing was moved"
     yield from click_on(driver, occurrence(1))
-    yield from driver.press("bpy.ops.fcn.make_unique()")
+    yield from driver.press("bpy.ops.fcn.make_unique()", near=True)
     assert any("unique" in o for o in bpy.context.scene.fcn.result.all_objects)
     last = start["rows"][0][1] - 1
     yield from click_on(driver, occurrence(last))
-    yield from driver.press("bpy.ops.fcn.reject_occurrence()")
+    yield from driver.press("bpy.ops.fcn.reject_occurrence()", near=True)
     end = record(driver)
     assert end["rows"][0][1:] == (last, 1) and end["rows"][1:] == start["rows"][1:], end["rows"]
     places -= 1
