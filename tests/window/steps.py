@@ -41,11 +41,10 @@ def difference(a, b):
     return {key: (a[key], b[key]) for key in a if a[key] != b[key]}
 
 
-# What is pressed one after the other; each first, then back and forth.
+# What is pressed one after the other; each first, then back and forth. `walk` has Make Unique.
 WALKS = (
     ("select_occurrence", "reject_occurrence", "restore"),
     ("edit_template", "edit_template", "select_source", "select_result"),
-    ("make_unique", "edit_template", "edit_template"),
     ("reject_occurrence", "select_template", "select_source"),
     ("select_template", "delete_occurrence", "select_template"),
 )

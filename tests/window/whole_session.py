@@ -129,7 +129,7 @@ def result_session(driver):
     found = []
     yield from driver.find("fcn_result.support", found)
     x, y = found[0]
-    yield from driver.drag(x, y, x + 60)
+    yield from driver.drag(x, y, x + 230)
     least = result().support
     assert least > 0 and len(visible()) < size
     assert all(o["support"] >= least - 1e-6 for o in visible())
