@@ -2,8 +2,8 @@
 """What each stage costs, for the estimate of time in the window: `python -m benchmarks.rates [--sizes 2x1 5x3 8x4]`.
 
 Walls of several sizes and the example are completed in this process, and a scan is detected at several sizes. For
-each stage a constant and a power of the size are fitted to the seconds. What is printed is the table of `fcn_addon/rates.py`, and how
-wrong an estimate from it would have been. Run it again when a stage has become faster or slower.
+each stage a constant and a power of the size are fitted to the seconds. What is printed is the table of
+`fcn_addon/rates.py`, and how wrong an estimate from it would have been. Run it again when a stage has become faster or slower.
 """
 
 from __future__ import annotations
