@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What each stage costs, for the estimate of time in the window: `python -m benchmarks.rates [--sizes 2x2 5x3 8x4]`.
+"""What each stage costs, for the estimate of time in the window: `python -m benchmarks.rates [--sizes 2x1 5x3 8x4]`.
 
 Walls of several sizes and the example are completed in this process, and a scan is detected at several sizes. For
-each stage a power of the size is fitted to the seconds. What is printed is the table of `fcn_addon/rates.py`, and how
-wrong an estimate from it would have been. Run it again when a stage has become faster or slower.
+each stage a constant and a power of the size are fitted to the seconds. What is printed is the table of
+`fcn_addon/rates.py`, and how wrong an estimate from it would have been. Run it again when a stage has become faster or slower.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+from scipy.optimize import nnls
 
 from core.detection import TriangleMesh, detect, measure
 from core.files.formats import read_curves
@@ -27,7 +28,7 @@ from examples.make_scan import scan
 from .scaling import size_of, wall
 from .scenes import EDGE_LENGTH
 
-SIZES = ("2x2", "3x3", "5x3", "8x4")
+SIZES = ("2x1", "2x2", "3x3", "5x3", "8x4")
 SPACINGS = (0.04, 0.025, 0.016)
 FACADE = Path(__file__).resolve().parent.parent / "examples" / "facade.obj"
 
@@ -77,22 +78,28 @@ def detected(spacing):
     return len(made.faces), watch.seconds
 
 
-def power(sizes, seconds, at):
-    """(seconds at the size `at`, exponent): the power of the size that fits best, its exponent from 0.8 to 2."""
-    x, y = np.log(np.asarray(sizes, float) / at), np.log(np.maximum(seconds, 1e-3))
-    slope = float(np.clip(np.polyfit(x, y, 1)[0], 0.8, 2.0)) if len(x) > 1 else 1.0
-    return float(np.exp((y - slope * x).mean())), slope
+def fitted(sizes, seconds, at):
+    """(seconds at any size, what comes to it at the size `at`, the power of the size with which that grows).
+
+    Of powers from 0.8 to 2 the one with the least relative errors; the rest is least squares without negative numbers.
+    """
+    x, y = np.asarray(sizes, float) / at, np.maximum(seconds, 0.01)
+    best = np.inf, (0.0, 0.0, 1.0)
+    for slope in np.arange(0.8, 2.01, 0.1):
+        (base, rate), left = nnls(np.stack([1 / y, x**slope / y], axis=1), np.ones(len(y)))
+        best = min(best, (left, (float(base), float(rate), float(slope))))
+    return best[1]
 
 
 def table(rows, stages, at):
-    """Stage -> (seconds, exponent) of runs (size, stage -> seconds)."""
-    return {s: power([n for n, _ in rows], [seconds.get(s, 0.0) for _, seconds in rows], at) for s in stages}
+    """Stage -> what `fitted` gives for runs (size, stage -> seconds)."""
+    return {s: fitted([n for n, _ in rows], [seconds.get(s, 0.0) for _, seconds in rows], at) for s in stages}
 
 
 def told(rows, rates, at):
     """Lines that compare each run with what the table says of it."""
     for size, seconds in rows:
-        guess = sum(rate * (size / at) ** slope for rate, slope in rates.values())
+        guess = sum(base + rate * (size / at) ** slope for base, rate, slope in rates.values())
         took = sum(seconds.values())
         yield f"{size:9,d}  {took:7.1f} s, {guess:7.1f} s by the table: {guess / took:.2f}"
 
@@ -112,8 +119,8 @@ def main(arguments=None) -> int:
     ):  # fmt: skip
         rates = table(found, stages, at)
         print(f"{name} = {{")
-        for stage, (seconds, slope) in rates.items():
-            print(f'    "{stage}": ({seconds:.2g}, {slope:.2f}),')
+        for stage, (base, rate, slope) in rates.items():
+            print(f'    "{stage}": ({base:.2g}, {rate:.2g}, {slope:.1f}),')
         print("}")
         for line in told(found, rates, at):
             print("# " + line)

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How long a run takes, stage by stage: seconds at one size, and the power of the size with which they grow.
+"""How long a run takes, stage by stage: seconds at any size, what comes to them
+at one size, and the power of the size with which that grows.
 
 `python -m benchmarks.rates` measures these tables again. What another machine or another scene takes is learned while a
 run goes on (`progress`).
@@ -11,16 +12,19 @@ SAMPLES, FACES = 10_000, 100_000
 """The sizes that the tables are about: samples of a network, an edge length apart, and faces of a scan."""
 
 COMPLETING = {
-    "blast": (3.2, 1.78),
-    "seeding": (4.9, 0.80),
-    "growth": (13, 1.02),
-    "orbits": (0.24, 1.36),
-    "selection": (0.23, 1.45),
-    "completion": (2.5, 0.89),
-    "fitting": (0.24, 0.80),
+    "blast": (0.13, 2.8, 2.0),
+    "seeding": (2, 2.5, 1.3),
+    "growth": (4.8, 6.9, 1.7),
+    "orbits": (0, 0.15, 1.6),
+    "selection": (0, 0.14, 1.5),
+    "completion": (0, 1, 2.0),
+    "fitting": (0.086, 0.076, 0.8),
 }
-
-DETECTING = {"mesh": (0.12, 1.11), "curvature": (0.62, 1.11), "lines": (0.26, 0.90)}
+DETECTING = {
+    "mesh": (0.009, 0.12, 1.4),
+    "curvature": (0.029, 0.62, 1.3),
+    "lines": (0.024, 0.23, 1.0),
+}
 
 PER_FACE = 0.06
 """Samples of feature curves that a scan has for each of its faces, about: before it is detected nothing is known."""
@@ -37,4 +41,4 @@ def detecting(faces) -> dict:
 
 
 def _seconds(table, size):
-    return {stage: seconds * size**power for stage, (seconds, power) in table.items()}
+    return {stage: base + rate * size**power for stage, (base, rate, power) in table.items()}

@@ -7,6 +7,7 @@ import math
 
 import numpy as np
 
+LEAVE_EDIT_MODE = "Leave the edit mode first"
 KINDS = {"single": "Pair", "translation": "Row", "grid": "Grid", "rotation": "Ring", "screw": "Spiral"}
 
 

@@ -7,6 +7,7 @@ from ..fcn_addon.registration import register_classes, unregister_classes
 from .exchange.export_curves import FCN_OT_export_curves
 from .exchange.import_curves import FCN_OT_import_curves
 from .exchange.try_example import FCN_OT_try_example
+from .manual import FCN_OT_manual
 from .occurrence.delete_occurrence import FCN_OT_delete_occurrence
 from .occurrence.edit_template import FCN_OT_edit_template
 from .occurrence.make_unique import FCN_OT_make_unique
@@ -50,6 +51,7 @@ CLASSES = (
     FCN_OT_import_curves,
     FCN_OT_export_curves,
     FCN_OT_try_example,
+    FCN_OT_manual,
 )
 
 

@@ -9,11 +9,11 @@ from ..core.errors import Cancelled, InputError
 from ..fcn_addon.job import session
 from ..fcn_addon.result import selection, stored
 from ..fcn_addon.scene import viewports
+from ..fcn_addon.wording import LEAVE_EDIT_MODE
 
 TICK = 0.1  # seconds between two looks at the thread
 
 
-LEAVE_EDIT_MODE = "Leave the edit mode first"
 NO_RESULT = "No result: complete curves first"
 
 
@@ -28,7 +28,17 @@ class Polled:
         return not why
 
 
-class Background(Polled):
+class Idle(Polled):
+    """Needs that no run is under way, and what `asked`, a module, says with why_not(context)."""
+
+    asked = None
+
+    @classmethod
+    def why_not(cls, context):
+        return "A run is under way" if session.running() else cls.asked.why_not(context)
+
+
+class Background(Idle):
     """Runs what `kind` says in a thread, watched by a timer; at once where there is no window.
 
     Operators have kind() -> session.RunKind, and _finished(made), which reports and returns {"FINISHED"}.
@@ -109,6 +119,17 @@ class OnOccurrence(Polled):
         if not any(map(selection.is_of_occurrence, context.selected_objects)):
             return "Select a curve of an occurrence"
         return None
+
+
+class OnTransformation(Polled):
+    """Needs an active transformation of a result, in object mode; says so where there is none."""
+
+    @classmethod
+    def why_not(cls, context):
+        if context.mode != "OBJECT":
+            return LEAVE_EDIT_MODE
+        found = stored.active_transformation(context.scene) is not None
+        return None if found else "No transformation: complete curves first"
 
 
 class OnResult(Polled):

@@ -61,7 +61,10 @@ def test_every_platform_has_a_wheel_for_each_python(builder, manifest):
 def test_nothing_but_the_extension_is_in_a_zip(zips):
     for path in zips.values():
         names = zipfile.ZipFile(path).namelist()
-        assert {n.partition("/")[0] for n in names} == {*ROOMS, "__init__.py", "blender_manifest.toml", "LICENSE"}
+        top = {*ROOMS, "__init__.py", "blender_manifest.toml", "LICENSE", "docs"}
+        assert {n.partition("/")[0] for n in names} == top
+        manual = {n for n in names if n.startswith("docs/") and not n.endswith("/")}  # of the other pages none
+        assert {n for n in manual if not n.startswith("docs/pictures/")} == {"docs/blender.md"} and len(manual) > 5
         assert not [n for n in names if "__pycache__" in n or "/." in n or n.endswith((".pyc", ".part"))]
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import bpy
 
 from ..fcn_addon.registration import register_classes, unregister_classes
-from . import keymap, menu, overlay
+from . import keymap, manual_links, menu, overlay
 from .complete_panel import FCN_PT_advanced, FCN_PT_complete, FCN_PT_parameters
 from .detect_panel import FCN_PT_detect, FCN_PT_detect_more
 from .presets_panel import FCN_PT_presets
@@ -16,6 +16,7 @@ from .result_panel import (
     FCN_PT_occurrence,
     FCN_PT_result,
     FCN_PT_transformations,
+    FCN_PT_use,
     FCN_UL_places,
     FCN_UL_templates,
     FCN_UL_transformations,
@@ -34,6 +35,7 @@ CLASSES = (
     FCN_PT_result,
     FCN_PT_occurrence,
     FCN_PT_transformations,
+    FCN_PT_use,
     menu.FCN_MT_object,
 )
 HERE = str(Path(__file__).resolve().parent)  # Blender looks for presets/fcn_addon in it
@@ -45,8 +47,10 @@ def register():
         menu.register()
         overlay.register()
         keymap.register()
+        manual_links.register()
         bpy.utils.register_preset_path(HERE)
     except BaseException:
+        manual_links.unregister()
         keymap.unregister()
         overlay.unregister()
         menu.unregister()
@@ -56,6 +60,7 @@ def register():
 
 def unregister():
     bpy.utils.unregister_preset_path(HERE)
+    manual_links.unregister()
     keymap.unregister()
     overlay.unregister()
     menu.unregister()

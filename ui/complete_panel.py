@@ -16,6 +16,7 @@ from ..fcn_addon.reading.reader import evaluated_faces
 from ..fcn_addon.result import stored
 from ..fcn_addon.scene.units import unit_length
 from ..fcn_addon.wording import duration
+from . import lengths
 from .presets_panel import FCN_PT_presets
 from .sidebar import Sidebar
 
@@ -172,20 +173,7 @@ class FCN_PT_advanced(Sidebar, bpy.types.Panel):
 
 
 def _draw_parameters(layout, context, names):
-    """Parameters; beside what is in edge lengths stands the length in the unit of the scene."""
-    layout.use_property_split = True
-    layout.use_property_decorate = False
     layout.active = not session.running()
-    group, found = context.scene.fcn.parameters, summary.latest()
-    words = unit_length(context.scene)
-    edges = in_edges()
-    for name in names:
-        row = layout.row(align=True)
-        row.prop(group, name)
-        if name in edges:
-            known = isinstance(found, Summary)
-            text = words(getattr(group, name) * found.edge_length) if known else iface_("edges")
-            side = row.row()
-            side.ui_units_x = 4
-            side.active = False
-            side.label(text=text, translate=False)
+    found = summary.latest()
+    edge_length = found.edge_length if isinstance(found, Summary) else None
+    lengths.draw(layout, context, context.scene.fcn.parameters, names, in_edges(), edge_length)

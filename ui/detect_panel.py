@@ -8,9 +8,10 @@ from bpy.app.translations import pgettext_iface as iface_
 
 from ..fcn_addon.detected import kept
 from ..fcn_addon.job import detecting, session, trial
-from ..fcn_addon.properties.detection import ADVANCED, LARGE
+from ..fcn_addon.properties.detection import ADVANCED, IN_EDGES, LARGE
 from ..fcn_addon.reading.reader import evaluated_faces
 from ..fcn_addon.result import stored
+from . import lengths
 from .sidebar import Sidebar
 
 
@@ -92,11 +93,10 @@ class FCN_PT_detect_more(Sidebar, bpy.types.Panel):
 
     def draw(self, context):
         layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
         layout.enabled = not session.running()
-        for name in ADVANCED:
-            layout.prop(context.scene.fcn.detection, name)
+        known = kept.measured(detecting.scan_of(context).name)
+        edge_length = known.edge_length if known is not None else None
+        lengths.draw(layout, context, context.scene.fcn.detection, ADVANCED, IN_EDGES, edge_length)
         _draw_trial(layout.box().column(align=True), trial.latest())
 
 

@@ -30,6 +30,7 @@ ENTRIES = (
     None,
     "fcn.import_curves",
     "fcn.try_example",
+    "fcn.manual",
 )
 
 

@@ -12,24 +12,37 @@ from ..fcn_addon.scene import origin
 from ..fcn_addon.wording import counted
 from .sidebar import Sidebar
 
+WIDE = 240  # pixels, on a screen of usual density, from which two buttons stand side by side
+
+
+class OfResult(Sidebar):
+    """A panel that is there while there is a result."""
+
+    @classmethod
+    def poll(cls, context):
+        return stored.active(context.scene) is not None
+
+
+def _kept_row(layout, item, **words):
+    """A row of a list with what can be kept or rejected: the box, what it is, and its support."""
+    row = layout.row(align=True)
+    row.prop(item, "kept", text="", icon="CHECKBOX_HLT" if item.kept else "CHECKBOX_DEHLT", emboss=False)
+    name = row.row()
+    name.active = item.kept
+    name.label(translate=False, **words)
+    share = row.row()
+    share.alignment = "RIGHT"
+    share.active = item.kept
+    share.label(text=f"{item.support:.0%}", translate=False)
+    return row
+
 
 class FCN_UL_transformations(bpy.types.UIList):
     bl_idname = "FCN_UL_transformations"
 
     def draw_item(self, context, layout, data, item, icon, active_data, active_property, index):
-        row = layout.row(align=True)
-        row.prop(item, "kept", text="", icon="CHECKBOX_HLT" if item.kept else "CHECKBOX_DEHLT", emboss=False)
-        name = row.row()
-        name.active = item.kept
-        name.label(
-            text=f"{item.short}, {counted(item.count, 'place')}",
-            icon=stored.ICONS.get(item.kind, "DOT"),
-            translate=False,
-        )
-        share = row.row()
-        share.alignment = "RIGHT"
-        share.active = item.kept
-        share.label(text=f"{item.support:.0%}", translate=False)
+        text = f"{item.short}, {counted(item.count, 'place')}"
+        row = _kept_row(layout, item, text=text, icon=stored.ICONS.get(item.kind, "DOT"))
         row.operator("fcn.select_transformation", text="", icon="RESTRICT_SELECT_OFF", emboss=False).index = index
 
 
@@ -53,24 +66,13 @@ class FCN_UL_places(bpy.types.UIList):
     bl_idname = "FCN_UL_places"
 
     def draw_item(self, context, layout, data, item, icon, active_data, active_property, index):
-        row = layout.row(align=True)
-        row.prop(item, "kept", text="", icon="CHECKBOX_HLT" if item.kept else "CHECKBOX_DEHLT", emboss=False)
-        name = row.row()
-        name.active = item.kept
-        name.label(text=item.name, translate=False)
-        share = row.row()
-        share.alignment = "RIGHT"
-        share.label(text=f"{item.support:.0%}", translate=False)
+        row = _kept_row(layout, item, text=item.name)
         button = row.operator("fcn.select_template", text="", icon="RESTRICT_SELECT_OFF", emboss=False)
         button.index, button.place = -1, index
 
 
-class FCN_PT_result(Sidebar, bpy.types.Panel):
+class FCN_PT_result(OfResult, bpy.types.Panel):
     bl_label = "Result"
-
-    @classmethod
-    def poll(cls, context):
-        return stored.active(context.scene) is not None
 
     def draw(self, context):
         layout = self.layout
@@ -89,30 +91,27 @@ class FCN_PT_result(Sidebar, bpy.types.Panel):
             views.prop_enum(result, "view", view)
         layout.prop(result, "support", text="Hide Below Support", slider=True)
         row = layout.row()
-        row.template_list(FCN_UL_templates.bl_idname, "", result, "template_rows", result, "active_template", rows=4)
+        row.template_list(
+            FCN_UL_templates.bl_idname, "", result, "template_rows", result, "active_template", rows=3, maxrows=3
+        )
         side = row.column(align=True)
         side.prop(result, "solo", text="", icon="SOLO_ON" if result.solo else "SOLO_OFF")
         side.operator("fcn.restore", text="", icon="LOOP_BACK")
-        layout.template_list(FCN_UL_places.bl_idname, "", result, "places", result, "active_place", rows=3)
-        layout.operator_menu_enum("fcn.apply", "kind", icon="OUTLINER_OB_CURVE")
-        layout.prop(result, "attributes")
-        layout.prop(result, "scan_locked")
+        layout.template_list(FCN_UL_places.bl_idname, "", result, "places", result, "active_place", rows=3, maxrows=3)
 
 
-class FCN_PT_transformations(Sidebar, bpy.types.Panel):
+class FCN_PT_transformations(OfResult, bpy.types.Panel):
     bl_label = "How It Repeats"
     bl_parent_id = "FCN_PT_result"
     bl_options = {"DEFAULT_CLOSED"}
-
-    @classmethod
-    def poll(cls, context):
-        return stored.active(context.scene) is not None
 
     def draw(self, context):
         layout = self.layout
         layout.enabled = not session.running()
         result = stored.active(context.scene).fcn_result
-        layout.template_list(FCN_UL_transformations.bl_idname, "", result, "transformations", result, "active", rows=4)
+        layout.template_list(
+            FCN_UL_transformations.bl_idname, "", result, "transformations", result, "active", rows=4, maxrows=4
+        )
         _draw_transformation(layout, stored.active_transformation(context.scene))
 
 
@@ -137,7 +136,7 @@ def _said(row):
     )
 
 
-class FCN_PT_occurrence(Sidebar, bpy.types.Panel):
+class FCN_PT_occurrence(OfResult, bpy.types.Panel):
     bl_label = "Occurrence"
     bl_parent_id = "FCN_PT_result"
 
@@ -149,15 +148,35 @@ class FCN_PT_occurrence(Sidebar, bpy.types.Panel):
         if item is not None and item.get("occurrence", -1) >= 0:
             text = item.name if "support" not in item else f"{item.name}: {item['support']:.0%}"
         layout.label(text=text, translate=False)
-        column = layout.column(align=True)
-        column.operator("fcn.select_occurrence", icon="RESTRICT_SELECT_OFF")
-        column.operator("fcn.select_source", icon="BACK")
-        column.operator("fcn.select_result", icon="FORWARD")
-        column = layout.column(align=True)
-        column.prop(context.scene.fcn, "edit_alone")
+        wide = context.region is not None and context.region.width >= WIDE * context.preferences.system.ui_scale
+        buttons = layout.grid_flow(row_major=True, columns=2 if wide else 1, even_columns=True, align=True)
         editing = context.mode != "OBJECT"
-        column.operator("fcn.edit_template", text="Finish Editing" if editing else "Edit Template", icon="EDITMODE_HLT")
-        column.operator("fcn.make_unique", icon="UNLINKED")
-        column = layout.column(align=True)
-        column.operator("fcn.reject_occurrence", icon="X")
-        column.operator("fcn.delete_occurrence", icon="TRASH")
+        for name, text, icon in (
+            ("fcn.edit_template", "Finish Editing" if editing else "Edit Template", "EDITMODE_HLT"),
+            ("fcn.select_occurrence", "Select Whole", "RESTRICT_SELECT_OFF"),
+            ("fcn.select_source", "Source Curves", "BACK"),
+            ("fcn.select_result", "Completed", "FORWARD"),
+            ("fcn.make_unique", "Make Unique", "UNLINKED"),
+            ("fcn.reject_occurrence", "Reject", "X"),
+            ("fcn.delete_occurrence", "Delete", "TRASH"),
+        ):
+            buttons.operator(name, text=text, icon=icon)
+        buttons.prop(context.scene.fcn, "edit_alone", text="Edit Alone")
+
+
+class FCN_PT_use(OfResult, bpy.types.Panel):
+    bl_label = "Use It"
+    bl_parent_id = "FCN_PT_result"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout = self.layout
+        layout.enabled = not session.running()
+        result = stored.active(context.scene).fcn_result
+        layout.operator_menu_enum("fcn.apply", "kind", icon="OUTLINER_OB_CURVE")
+        layout.operator("fcn.export_curves", text="Export", icon="EXPORT")
+        layout.prop(result, "attributes")
+        layout.prop(result, "scan_locked")
+        row = layout.row(align=True)
+        row.prop(result, "template_colour", text="")
+        row.prop(result, "strong_colour", text="")

@@ -18,12 +18,13 @@ KEPT = 4  # objects whose curves are kept
 
 @dataclass(frozen=True)
 class Measured:
-    """The measurement of a scan, to try other thresholds on: a TriangleMesh and its Curvature."""
+    """The measurement of a scan, to try other thresholds on: a TriangleMesh and its Curvature, and its edge length."""
 
     fingerprint: bytes
     detail: float
     mesh: object
     field: object
+    edge_length: float
 
 
 _measured = {}  # name of the scan -> Measured; the last one only, it is large

@@ -23,18 +23,19 @@ def lock(root, scans):
 
 def unlock(root):
     """Make selectable again what a result locked."""
-    for name in json.loads(root.fcn_result.locked or "[]"):
-        item = bpy.data.objects.get(name)
-        if item is not None and item.library is None:
-            item.hide_select = False
+    _set(root.fcn_result, False)
 
 
 def update(group, _context):
     """Called by Blender when the switch of a result changes."""
-    for name in json.loads(group.locked or "[]"):
+    _set(group, group.scan_locked)
+
+
+def _set(result, locked):
+    for name in json.loads(result.locked or "[]"):
         item = bpy.data.objects.get(name)
         if item is not None and item.library is None:
-            item.hide_select = group.scan_locked
+            item.hide_select = locked
 
 
 def scans_of(sources, settings) -> list:

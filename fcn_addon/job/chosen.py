@@ -8,13 +8,14 @@ from ..reading.edge_length import mean_edge_length
 from ..reading.left_out import LeftOut
 from ..result import stored
 from ..scene.families import within
+from ..wording import LEAVE_EDIT_MODE
 
 
 def why_not(context) -> str | None:
     """What is missing for a run, None if nothing is. Cheap: it is asked at every redraw."""
     settings = context.scene.fcn
     if context.mode != "OBJECT":
-        return "Leave the edit mode first"
+        return LEAVE_EDIT_MODE
     if settings.source == "COLLECTION":
         if settings.collection is None:
             return "Choose the collection that holds the curves"

@@ -16,6 +16,7 @@ from ...core.parameters import Parameters
 from .. import rates
 from ..detected import scan_lock
 from ..installation import require_scipy
+from ..properties import preferences
 from ..properties.settings import parameters
 from ..reading import reader
 from ..reading.left_out import LeftOut
@@ -140,6 +141,7 @@ def finish(context, task, completion, fitted=None):
     try:
         stored.describe(root, completion, task, length, names)
         origin.keep(root, origin.of(scene))
+        preferences.paint(root)
         views.refresh(root)
     except BaseException:
         stored.remove(root)

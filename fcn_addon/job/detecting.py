@@ -20,8 +20,10 @@ from ..properties import from_parameters
 from ..properties import settings as of_scene
 from ..reading import reader, working_copy
 from ..scene.identity import Identity
+from ..wording import LEAVE_EDIT_MODE
 from .session import RunKind
 
+NO_KIND = "Choose ridges, valleys, sharp edges or boundaries"
 KINDS = ("ridges", "valleys", "sharp", "boundary")
 
 
@@ -71,12 +73,12 @@ def _instances(item) -> bool:
 def why_not(context) -> str | None:
     """What is missing for a run, None if nothing is. Cheap: it is asked at every redraw."""
     if context.mode != "OBJECT":
-        return "Leave the edit mode first"
+        return LEAVE_EDIT_MODE
     if scan_of(context) is None:
         return "Select one mesh with faces"
     settings = context.scene.fcn.detection
     if not any(getattr(settings, name) for name in KINDS):
-        return "Choose ridges, valleys, sharp edges or boundaries"
+        return NO_KIND
     return None
 
 
@@ -112,7 +114,7 @@ def work(task, report, expect=lambda seconds: None) -> Made:
         if known is None or known.fingerprint != fingerprint or known.detail != task.parameters.detail:
             mesh = detection.TriangleMesh.of(task.scan.points, task.scan.triangles, progress=report)
             field = detection.measure(mesh, parameters=task.parameters, progress=report)
-            known = Measured(fingerprint, task.parameters.detail, mesh, field)
+            known = Measured(fingerprint, task.parameters.detail, mesh, field, mesh.edge_length)
         found = detection.detect(
             known.mesh, parameters=task.parameters, field=known.field, progress=report, **task.kinds
         )

@@ -8,6 +8,8 @@ from dataclasses import replace
 import bpy
 
 from ...core.errors import InputError
+from .. import timers
+from ..scene import viewports
 from . import chosen, completing, session
 from .estimate import summarise
 
@@ -26,29 +28,21 @@ def latest():
 
 def changed():
     """Look again, soon: the settings, the selection or a chosen object has changed."""
-    if bpy.app.background:  # timers do not fire there, and nobody looks
-        return
-    if bpy.app.timers.is_registered(_look):
-        bpy.app.timers.unregister(_look)
-    bpy.app.timers.register(_look, first_interval=DELAY)
+    timers.soon(_look, DELAY)
 
 
 def _look():
     if session.running():
         return DELAY
     compute(bpy.context)
-    for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                area.tag_redraw()
+    viewports.redraw(bpy.context)
     return None
 
 
 def stop():
     """Forget what is known, and do not look again."""
     global _latest, _key
-    if bpy.app.timers.is_registered(_look):
-        bpy.app.timers.unregister(_look)
+    timers.never(_look)
     _latest = _key = None
 
 

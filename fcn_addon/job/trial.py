@@ -13,6 +13,7 @@ import numpy as np
 
 from ...core.errors import InputError
 from ...core.values import Curves
+from .. import timers
 from ..detected import kept
 from ..properties import from_parameters
 from ..scene import viewports
@@ -49,19 +50,13 @@ def latest():
 
 def changed():
     """Look again, soon: a threshold has changed."""
-    if bpy.app.background:
-        return
-    if bpy.app.timers.is_registered(_start):
-        bpy.app.timers.unregister(_start)
-    bpy.app.timers.register(_start, first_interval=DELAY)
+    timers.soon(_start, DELAY)
 
 
 def stop():
     """Forget what was tried, and try nothing more."""
     global _latest, _about, _job
-    for function in (_start, _watch):
-        if bpy.app.timers.is_registered(function):
-            bpy.app.timers.unregister(function)
+    timers.never(_start, _watch)
     if _job is not None:
         _job.stop()
     _latest, _about, _job = None, -1, None
@@ -77,12 +72,11 @@ def _start():
     _job, _about = None, about
     if not callable(work):
         _latest = work
-        _redraw()
+        viewports.redraw(bpy.context)
         return None
     _job = Job(work)
     _job.start()
-    if not bpy.app.timers.is_registered(_watch):
-        bpy.app.timers.register(_watch, first_interval=TICK)
+    timers.soon(_watch, TICK)
     return None
 
 
@@ -95,13 +89,8 @@ def _watch():
     if not _job.stopped:
         _latest = str(_job.error) if isinstance(_job.error, InputError) else _job.result
     _job = None
-    _redraw()
+    viewports.redraw(bpy.context)
     return None
-
-
-def _redraw():
-    for _, area in viewports.areas(bpy.context):
-        area.tag_redraw()
 
 
 def prepare(context):
@@ -122,7 +111,7 @@ def prepare(context):
         return item.session_uid, "Another detail is measured by the run"
     kinds = {name: getattr(settings, name) for name in detecting.KINDS}
     if not any(kinds.values()):
-        return item.session_uid, "Choose ridges, valleys, sharp edges or boundaries"
+        return item.session_uid, detecting.NO_KIND
     now, centre = kept.shown(item)
     matrix = np.array(item.matrix_world, float)
     matrix[:3, 3] -= matrix[:3, :3] @ centre

@@ -6,7 +6,7 @@ from __future__ import annotations
 from bpy.props import BoolProperty, IntProperty
 from bpy.types import PropertyGroup
 
-from ...core.detection.parameters import DetectionParameters
+from ...core.detection.parameters import EDGES, DetectionParameters
 from . import changes, from_parameters
 
 LARGE = 1_000_000  # faces; above this many a smaller copy is offered
@@ -18,6 +18,7 @@ KINDS = {
     "boundary": (False, "Boundaries", "Open borders of the mesh"),
 }
 ADVANCED = tuple(name for name in DetectionParameters.__dataclass_fields__ if name != "detail")
+IN_EDGES = from_parameters.with_unit(DetectionParameters, EDGES)
 
 WORDS = {
     "detail": (

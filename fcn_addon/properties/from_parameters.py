@@ -22,6 +22,11 @@ def properties_of(of, words, update=None) -> dict:
     return {f.name: _property(f, words, calls.get(f.name, calls[None])) for f in fields(of)}
 
 
+def with_unit(of, unit) -> set[str]:
+    """Names of the fields that have a unit."""
+    return {field.name for field in fields(of) if field.metadata["unit"] == unit}
+
+
 def _property(field, words, update):
     low, high = field.metadata["low"], field.metadata["high"]
     name, text = words.get(field.name, (field.name.replace("_", " ").title(), field.metadata["help"]))

@@ -4,8 +4,9 @@
 from __future__ import annotations
 
 import bpy
-from bpy.props import EnumProperty, IntProperty
+from bpy.props import EnumProperty, FloatVectorProperty, IntProperty
 
+from .. import colours
 from ..result.writer import FORMS
 
 
@@ -22,11 +23,29 @@ class FCN_AP_preferences(bpy.types.AddonPreferences):
         max=256,
     )
 
+    earlier: EnumProperty(
+        name="Earlier Result",
+        description="What a run does with the earlier result of the same curves in new files",
+        items=(("REPLACE", "Replace", "Remove it"), ("KEEP", "Keep", "Leave it beside the new one")),
+    )
+    template_colour: FloatVectorProperty(
+        name="Templates", description="Colour of the curves of templates in new results", subtype="COLOR", size=3,
+        min=0.0, max=1.0, default=colours.TEMPLATE,
+    )  # fmt: skip
+    strong_colour: FloatVectorProperty(
+        name="Single Curves", description="Colour of the curves that do not recur in new results", subtype="COLOR",
+        size=3, min=0.0, max=1.0, default=colours.STRONG,
+    )  # fmt: skip
+
     def draw(self, context):
         layout = self.layout
         layout.use_property_split = True
         layout.prop(self, "form")
         layout.prop(self, "threads")
+        layout.prop(self, "earlier", expand=True)
+        layout.prop(self, "template_colour")
+        layout.prop(self, "strong_colour")
+        layout.operator("fcn.manual", icon="HELP")
         layout.label(text="Shortcuts are off until switched on: Preferences > Keymap, search for Feature Curves")
 
 
@@ -36,11 +55,19 @@ def of_user():
     return None if addon is None else addon.preferences
 
 
+def paint(root):
+    """Give a new result the colours of the preferences."""
+    chosen = of_user()
+    if chosen is not None:
+        root.fcn_result.template_colour = chosen.template_colour
+        root.fcn_result.strong_colour = chosen.strong_colour
+
+
 def begin(scene):
     """Give a scene that has no settings yet what the preferences say."""
     chosen, settings = of_user(), scene.fcn
     if chosen is None or scene.library is not None or settings.is_property_set("form"):
         return
-    settings.form = chosen.form
+    settings.form, settings.earlier = chosen.form, chosen.earlier
     if chosen.threads and not settings.parameters.is_property_set("threads"):
         settings.parameters.threads = chosen.threads

@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
-
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, PointerProperty
 from bpy.types import PropertyGroup
@@ -65,7 +63,7 @@ FCN_PG_parameters = type(
 
 def in_edges() -> set[str]:
     """Names of the parameters that are multiples of the edge length."""
-    return {field.name for field in fields(Parameters) if field.metadata["unit"] == EDGES}
+    return from_parameters.with_unit(Parameters, EDGES)
 
 
 def parameters(group) -> Parameters:

@@ -14,12 +14,14 @@ from bpy.props import (
     CollectionProperty,
     EnumProperty,
     FloatProperty,
+    FloatVectorProperty,
     IntProperty,
     PointerProperty,
     StringProperty,
 )
 from bpy.types import PropertyGroup
 
+from .. import colours
 from ..detected import scan_lock
 from ..registration import register_classes, unregister_classes
 from ..scene.families import within
@@ -98,6 +100,14 @@ class FCN_PG_result(PropertyGroup):
         "geometry nodes can use. Large results get slower",
         update=attributes.update,
     )
+    template_colour: FloatVectorProperty(
+        name="Templates", description="Colour of the curves of templates in the view Result", subtype="COLOR", size=3,
+        min=0.0, max=1.0, default=colours.TEMPLATE, update=views.update,
+    )  # fmt: skip
+    strong_colour: FloatVectorProperty(
+        name="Single Curves", description="Colour of the curves that do not recur", subtype="COLOR", size=3,
+        min=0.0, max=1.0, default=colours.STRONG, update=views.update,
+    )  # fmt: skip
     transformations: CollectionProperty(type=FCN_PG_transformation)
     template_rows: CollectionProperty(type=templates.FCN_PG_template)
     active_template: IntProperty(

@@ -61,9 +61,11 @@ def refresh(root):
     for home in templates.children if templates else ():
         gone = not kept.get(home, True)
         _hide_objects(home, [gone or _is_out(o, result.support) or o.get("template") in out for o in home.objects])
-        _colour(home, view, own)
+        _colour(home, view, own, tuple(result.template_colour))
     if strong:
         _hide_objects(strong, [_is_out(o, result.support) for o in strong.objects])
+        for item in strong.objects:
+            _paint(item, tuple(result.strong_colour))
     for home in components.children if components else ():
         # The curves are those of the templates and hidden with them; the input pieces belong to this view alone.
         _hide_objects(home, [o.hide_viewport if "support" in o else view != "COMPONENTS" for o in home.objects])
@@ -104,19 +106,23 @@ def _hide_objects(collection, hidden):
             objects[i].update_tag(refresh={"OBJECT"})
 
 
-def _colour(home, view, own):
-    """Colours of the curves in a transformation's collection."""
+def _colour(home, view, own, plain):
+    """Colours of the curves in a transformation's collection; `plain` is that of all templates."""
     for item in home.objects:
         if item.type != "EMPTY":
-            colour = (*_colour_of(item, view, own), 1.0)
-            if any(abs(a - b) > 1e-6 for a, b in zip(item.color, colour)):
-                item.color = colour
+            _paint(item, _colour_of(item, view, own, plain))
 
 
-def _colour_of(item, view, own):
+def _paint(item, rgb):
+    colour = (*rgb, 1.0)
+    if any(abs(a - b) > 1e-6 for a, b in zip(item.color, colour)):
+        item.color = colour
+
+
+def _colour_of(item, view, own, plain):
     if view == "COMPONENTS":
         return colours.distinct(item.get("component", -1))
     if view == "TEMPLATES":
         label = item.get("template", -1)
         return own.get(label) or colours.distinct(label)
-    return colours.TEMPLATE
+    return plain

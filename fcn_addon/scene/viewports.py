@@ -14,6 +14,12 @@ def areas(context):
                 yield window, area
 
 
+def redraw(context):
+    """Draw the viewports again, scene and sidebar."""
+    for _, area in areas(context):
+        area.tag_redraw()
+
+
 def redraw_panels(context):
     """Draw the sidebars again, without the scene."""
     for _, area in areas(context):

@@ -30,9 +30,7 @@ class FCN_OT_export_curves(OnResult, bpy.types.Operator, ExportHelper):
         items=[(key, form.name, form.words) for key, form in outgoing.FORMATS.items()],
     )
     filename_ext = ".obj"
-    filter_glob: StringProperty(
-        default=";".join(f"*.{key.lower()}" for key in outgoing.FORMATS), options={"HIDDEN"}
-    )
+    filter_glob: StringProperty(default=";".join(f"*.{key.lower()}" for key in outgoing.FORMATS), options={"HIDDEN"})
 
     def check(self, context):
         path = str(Path(self.filepath).with_suffix(f".{self.form.lower()}"))

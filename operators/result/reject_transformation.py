@@ -7,22 +7,15 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from ...fcn_addon.result import stored
-from ..base import LEAVE_EDIT_MODE, Polled
+from ..base import OnTransformation
 
 
-class FCN_OT_reject_transformation(Polled, bpy.types.Operator):
+class FCN_OT_reject_transformation(OnTransformation, bpy.types.Operator):
     """Take all that the active transformation explains out of the result; again takes it back in"""
 
     bl_idname = "fcn.reject_transformation"
     bl_label = "Reject Transformation"
     bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def why_not(cls, context):
-        if context.mode != "OBJECT":
-            return LEAVE_EDIT_MODE
-        found = stored.active_transformation(context.scene) is not None
-        return None if found else "No transformation: complete curves first"
 
     def execute(self, context):
         row = stored.active_transformation(context.scene)

@@ -7,21 +7,15 @@ import bpy
 
 from ...fcn_addon.result import stored, templates, views
 from ...fcn_addon.scene.families import within
-from ..base import LEAVE_EDIT_MODE, NO_RESULT, Polled
+from ..base import OnResult
 
 
-class FCN_OT_restore(Polled, bpy.types.Operator):
+class FCN_OT_restore(OnResult, bpy.types.Operator):
     """Take all rejected transformations and occurrences of this result back in"""
 
     bl_idname = "fcn.restore"
     bl_label = "Restore Rejected"
     bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def why_not(cls, context):
-        if context.mode != "OBJECT":
-            return LEAVE_EDIT_MODE
-        return None if stored.active(context.scene) is not None else NO_RESULT
 
     def execute(self, context):
         root = stored.active(context.scene)

@@ -9,10 +9,10 @@ from bpy.props import IntProperty
 
 from ...fcn_addon.result import selection, stored
 from ...fcn_addon.scene import viewports
-from ..base import LEAVE_EDIT_MODE, Polled
+from ..base import OnTransformation
 
 
-class FCN_OT_select_transformation(Polled, bpy.types.Operator):
+class FCN_OT_select_transformation(OnTransformation, bpy.types.Operator):
     """Select the occurrences of this transformation and look at them"""
 
     bl_idname = "fcn.select_transformation"
@@ -20,13 +20,6 @@ class FCN_OT_select_transformation(Polled, bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     index: IntProperty(name="Row", description="Row of the list, -1 for the active one", default=-1, min=-1)
-
-    @classmethod
-    def why_not(cls, context):
-        if context.mode != "OBJECT":
-            return LEAVE_EDIT_MODE
-        found = stored.active_transformation(context.scene) is not None
-        return None if found else "No transformation: complete curves first"
 
     def execute(self, context):
         result = stored.active(context.scene).fcn_result

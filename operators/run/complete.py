@@ -6,12 +6,20 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
-from ...fcn_addon.job import chosen, completing, session
+from ...fcn_addon.job import chosen, completing
 from ...fcn_addon.wording import counted, duration
 from ..base import Background
 
 
-class FCN_OT_complete(Background, bpy.types.Operator):
+class Completing(Background):
+    """Ends with a result and a line about it."""
+
+    def _finished(self, root):
+        self.report({"INFO"}, describe(root.fcn_result))
+        return {"FINISHED"}
+
+
+class FCN_OT_complete(Completing, bpy.types.Operator):
     """Find what recurs in the chosen curves, and make clean templates of it wherever it was seen.
     Works in the background, Esc stops it"""
 
@@ -19,16 +27,10 @@ class FCN_OT_complete(Background, bpy.types.Operator):
     bl_label = "Complete Curves"
     bl_options = {"UNDO"}
 
-    @classmethod
-    def why_not(cls, context):
-        return "A run is under way" if session.running() else chosen.why_not(context)
+    asked = chosen
 
     def kind(self):
         return completing.COMPLETE
-
-    def _finished(self, root):
-        self.report({"INFO"}, describe(root.fcn_result))
-        return {"FINISHED"}
 
 
 def describe(result) -> str:

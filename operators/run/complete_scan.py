@@ -5,12 +5,11 @@ from __future__ import annotations
 
 import bpy
 
-from ...fcn_addon.job import completing_scan, detecting, session
-from ..base import Background
-from .complete import describe
+from ...fcn_addon.job import completing_scan, detecting
+from .complete import Completing
 
 
-class FCN_OT_complete_scan(Background, bpy.types.Operator):
+class FCN_OT_complete_scan(Completing, bpy.types.Operator):
     """Detect the feature curves of the active mesh, find what recurs in them, and complete them, in one go.
     Works in the background, Esc stops it"""
 
@@ -18,13 +17,7 @@ class FCN_OT_complete_scan(Background, bpy.types.Operator):
     bl_label = "Complete Scan"
     bl_options = {"UNDO"}
 
-    @classmethod
-    def why_not(cls, context):
-        return "A run is under way" if session.running() else detecting.why_not(context)
+    asked = detecting
 
     def kind(self):
         return completing_scan.COMPLETE_SCAN
-
-    def _finished(self, root):
-        self.report({"INFO"}, describe(root.fcn_result))
-        return {"FINISHED"}

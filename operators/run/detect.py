@@ -6,7 +6,7 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
-from ...fcn_addon.job import detecting, session
+from ...fcn_addon.job import detecting
 from ..base import Background
 
 
@@ -18,9 +18,7 @@ class FCN_OT_detect(Background, bpy.types.Operator):
     bl_label = "Detect Feature Curves"
     bl_options = {"UNDO"}
 
-    @classmethod
-    def why_not(cls, context):
-        return "A run is under way" if session.running() else detecting.why_not(context)
+    asked = detecting
 
     def kind(self):
         return detecting.DETECT

@@ -6,19 +6,17 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
-from ...fcn_addon.job import chosen, session, summary
-from ..base import Polled
+from ...fcn_addon.job import chosen, summary
+from ..base import Idle
 
 
-class FCN_OT_measure(Polled, bpy.types.Operator):
+class FCN_OT_measure(Idle, bpy.types.Operator):
     """Count the chosen curves and estimate their edge length and the time that a run takes"""
 
     bl_idname = "fcn.measure"
     bl_label = "Measure Curves"
 
-    @classmethod
-    def why_not(cls, context):
-        return "A run is under way" if session.running() else chosen.why_not(context)
+    asked = chosen
 
     def execute(self, context):
         found = summary.compute(context, force=True)

@@ -29,7 +29,8 @@ def test_the_tables_have_every_stage_and_its_words(part):
     assert {*rates.COMPLETING, *rates.DETECTING} == set(progress.LABELS)
     small, large = rates.completing(2_000), rates.completing(20_000)
     assert all(0 < small[stage] < large[stage] for stage in rates.COMPLETING)
-    assert sum(rates.completing(rates.SAMPLES).values()) == pytest.approx(sum(s for s, _ in rates.COMPLETING.values()))
+    at_one = sum(base + rate for base, rate, _ in rates.COMPLETING.values())
+    assert sum(rates.completing(rates.SAMPLES).values()) == pytest.approx(at_one)
 
 
 @pytest.mark.parametrize("pace", [0.3, 1.0, 3.0])

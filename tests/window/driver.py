@@ -26,6 +26,8 @@ class Driver:
         self.pictures = pictures
         os.makedirs(pictures, exist_ok=True)
         self.notes = []
+        self.last = 0  # where a button was found last
+        self.clicks = 0  # of the left button, that a user would make
         self.places = {}  # what was seen under the mouse -> where
 
     @property
@@ -90,6 +92,7 @@ class Driver:
 
     def click(self, x, y):
         """Move there and press the left button; a generator."""
+        self.clicks += 1
         self.move(x - 1, y)
         yield 0.05
         self.move(x, y)
@@ -123,11 +126,12 @@ class Driver:
         self.event(kind, "RELEASE", x, y)
         yield 0.1
 
-    def find(self, wanted, found):
+    def find(self, wanted, found, near=False):
         """Look for a button of the sidebar by moving the mouse over it; a generator that fills the list `found`.
 
         wanted : part of what "Copy Python Command" or "Copy Data Path" gives for the button
-        found : gets (x, y) of the places in the order seen
+        found : gets (x, y) of the first place, from the top
+        near : look about the button that was found last first
         """
         region = self.region("UI")
         for place in [self.places[name] for name in self.places if wanted in name]:  # where it was before
@@ -136,15 +140,19 @@ class Driver:
             if wanted in self.under_mouse():
                 found.append(place)
                 return
-        self.places.clear()
-        for y in range(region.y + region.height - 40, region.y + 10, -9):
+        top, bottom = region.y + region.height - 40, region.y + 10
+        rows = [*range(top, bottom, -18), *range(top - 9, bottom, -18)]  # a button is 20 high
+        if near and self.last:
+            rows.sort(key=lambda y: abs(y - self.last))
+        for y in rows:
             for x in (region.x + region.width * share // 100 for share in (33, 62, 74)):
                 self.move(x, y)
                 yield 0.03
                 said = self.under_mouse()
                 if said:
-                    self.places.setdefault(said, (x, y))
+                    self.places[said] = x, y
                 if wanted in said:
+                    self.last = y
                     found.append((x, y))
                     return
         raise LookupError(f"no button {wanted!r} in the sidebar; there are {sorted(self.places)}")
@@ -162,10 +170,10 @@ class Driver:
                         return manager.clipboard
         return ""
 
-    def press(self, wanted):
-        """Find a button of the sidebar and click it; a generator."""
+    def press(self, wanted, near=False):
+        """Find a button of the sidebar and click it, see `find`; a generator."""
         found = []
-        yield from self.find(wanted, found)
+        yield from self.find(wanted, found, near)
         yield from self.click(*found[0])
 
     def choose(self, name, column, row):

@@ -9,7 +9,7 @@ import bpy
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from driver import EXTENSION, Driver  # noqa: E402
-from whole_session import CATEGORY, prepare, settings  # noqa: E402
+from whole_session import CATEGORY, settings, small  # noqa: E402
 
 THREAD = "feature curve completion"
 
@@ -30,19 +30,20 @@ def session(driver):
         with driver.context():
             assert bpy.ops.fcn.complete("INVOKE_DEFAULT") == {"RUNNING_MODAL"}
 
-    prepare(driver)
+    small(driver)
     yield from driver.sidebar(CATEGORY)
     bpy.ops.ed.undo_push(message="ready")
 
     print("-- edits, undo and redo while it runs; the result comes all the same", flush=True)
     start()
     yield 0.5
-    bpy.data.objects["Facade"].location.x = 3
+    place = bpy.data.objects["Facade"].location.x
+    bpy.data.objects["Facade"].location.x = place + 3
     bpy.ops.ed.undo_push(message="moved")
     with driver.context():
         bpy.ops.ed.undo()
     yield 0.5
-    assert bpy.data.objects["Facade"].location.x == 0 and running.running()
+    assert bpy.data.objects["Facade"].location.x == place and running.running()
     yield lambda: not running.running()
     yield 0.3
     assert settings().result is not None and not threads()
@@ -73,7 +74,7 @@ def session(driver):
     assert counts() == [before[0] - 1, *before[1:]], (before, counts())
 
     print("-- a file is loaded while it runs", flush=True)
-    prepare(driver)
+    small(driver)
     start()
     yield 0.5
     assert threads()
@@ -84,7 +85,7 @@ def session(driver):
     print("-- the add-on is switched off while it runs, and on again", flush=True)
     bpy.ops.wm.read_homefile()
     yield 0.5
-    prepare(driver)
+    small(driver)
     before = counts()
     start()
     yield 0.5

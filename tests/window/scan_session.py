@@ -15,7 +15,7 @@ HERE = Path(__file__).resolve().parent
 MANY = 12  # walls in a row, to be busy with long after the key that stops it was seen
 sys.path[:0] = [str(HERE), str(HERE.parent.parent)]
 from driver import EXTENSION, Driver, Redraws  # noqa: E402
-from whole_session import CATEGORY, settings  # noqa: E402
+from whole_session import CATEGORY, settings, small  # noqa: E402
 
 
 def prepare(driver):
@@ -85,14 +85,28 @@ def session(driver):
     yield 0.5
     curves = bpy.data.objects["Wall curves"].fcn_curves
     assert curves.shown > shown
+
+    print("-- other thresholds are outlined before a run", flush=True)
+    trial, scene = sys.modules[f"{EXTENSION}.fcn_addon.job.trial"], bpy.context.scene
+    scene.fcn.detection.strong_fold *= 1.6
+    yield lambda: isinstance(trial.latest(), trial.Trial)
+    assert trial.latest().shorter > 0
+    yield 0.5
+    driver.picture("s3-outline")
+    scene.fcn.detection.property_unset("strong_fold")
+    trial.stop()
     with driver.context():
         bpy.ops.ed.undo()
     yield 0.5
     assert "Wall curves" not in bpy.data.objects and "Wall" in bpy.data.objects
 
     print("-- in one go", flush=True)
-    bpy.data.objects["Wall"].select_set(True)
-    bpy.context.view_layer.objects.active = bpy.data.objects["Wall"]
+    small(driver)
+    bpy.data.objects.remove(bpy.data.objects["Facade"])
+    scan = bpy.data.objects["Example Scan"]
+    scan.hide_set(False)
+    scan.select_set(True)
+    bpy.context.view_layer.objects.active = scan
     yield 0.3
     began = time.monotonic()
     yield from driver.press("bpy.ops.fcn.complete_scan()")
@@ -101,8 +115,8 @@ def session(driver):
     yield lambda: not running.running()
     driver.note(f"the scan was completed after {time.monotonic() - began:.0f} s")
     yield 1.0
-    assert settings().result is not None and settings().result.fcn_result.source == "Wall"
-    bpy.data.objects["Wall"].hide_set(True)
+    assert settings().result is not None and settings().result.fcn_result.source == "Example Scan"
+    bpy.data.objects["Example Scan"].hide_set(True)
     yield 0.5
     driver.picture("s5-completed")
 

@@ -41,11 +41,10 @@ def difference(a, b):
     return {key: (a[key], b[key]) for key in a if a[key] != b[key]}
 
 
-# What is pressed one after the other; each first, then back and forth.
+# What is pressed one after the other; each first, then back and forth. `walk` has Make Unique.
 WALKS = (
     ("select_occurrence", "reject_occurrence", "restore"),
     ("edit_template", "edit_template", "select_source", "select_result"),
-    ("make_unique", "edit_template", "edit_template"),
     ("reject_occurrence", "select_template", "select_source"),
     ("select_template", "delete_occurrence", "select_template"),
 )
@@ -58,7 +57,7 @@ def choose(item):
     bpy.context.view_layer.objects.active = item
 
 
-def walk(driver):
+def pairs(driver):
     """All walks; a generator. The scene is as it was at the end."""
     for names in WALKS:
         root = bpy.context.scene.fcn.result
@@ -94,10 +93,19 @@ def to(driver, wanted, what, again=False, most=2):
     raise AssertionError(f"{what}: {found}")
 
 
-def clicks(driver, count=5):
-    """Clicks on completed curves, before a scan behind them: each takes a curve; a generator."""
+def place_of(driver, item):
+    """(x, y) in the window of the middle of a curve's first segment."""
     from bpy_extras.view3d_utils import location_3d_to_region_2d
 
+    region, space = driver.region("WINDOW"), driver.area.spaces.active
+    a, b = item.data.splines[0].bezier_points[:2]
+    half = 0.125 * a.co + 0.375 * a.handle_right + 0.375 * b.handle_left + 0.125 * b.co
+    place = location_3d_to_region_2d(region, space.region_3d, item.matrix_world @ half)
+    return region.x + place[0], region.y + place[1]
+
+
+def clicks(driver, count=5):
+    """Clicks on completed curves, before a scan behind them: each takes a curve; a generator."""
     root = bpy.context.scene.fcn.result
     parts = [o for o in root.all_objects if "support" in o and o.visible_get() and o.type == "CURVE"]
     corners = [o.matrix_world @ o.data.splines[0].bezier_points[0].co for o in parts]
@@ -111,19 +119,14 @@ def clicks(driver, count=5):
     scan = bpy.data.objects.new("Behind", mesh)
     bpy.context.scene.collection.objects.link(scan)
     scan.hide_select = True
-    region, space = driver.region("WINDOW"), driver.area.spaces.active
     with driver.context():
         bpy.ops.view3d.view_axis(type="FRONT")
         bpy.ops.view3d.view_all()
     yield 0.5
     taken = 0
     for item in parts[:: max(1, len(parts) // count)][:count]:
-        spline = item.data.splines[0]
-        a, b = spline.bezier_points[0], spline.bezier_points[1]
-        half = 0.125 * a.co + 0.375 * a.handle_right + 0.375 * b.handle_left + 0.125 * b.co
-        place = location_3d_to_region_2d(region, space.region_3d, item.matrix_world @ half)
-        yield from driver.click(region.x + place[0], region.y + place[1])
-        yield 0.3
+        yield from driver.click(*place_of(driver, item))
+        yield 0.2
         active = bpy.context.view_layer.objects.active
         taken += active is not None and active.get("occurrence") is not None and active.select_get()
     bpy.data.objects.remove(scan)

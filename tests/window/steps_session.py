@@ -12,6 +12,7 @@ import bpy
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
 import steps  # noqa: E402
+import walk  # noqa: E402
 from driver import EXTENSION, Driver  # noqa: E402
 
 
@@ -39,9 +40,10 @@ def session(driver):
     driver.picture("first-4-result")
     yield from edited(driver)
     bpy.data.objects["Example Scan"].hide_set(True)  # without a graphics card it takes long to draw
-    yield from steps.walk(driver)
+    yield from steps.pairs(driver)
     yield from steps.clicks(driver)
     driver.picture("first-7-end")
+    yield from walk.walk(driver, bpy.app.tempdir)
 
 
 def edited(driver):
