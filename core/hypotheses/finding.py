@@ -77,9 +77,7 @@ def find_things(field: Field, seeds: Seeds, *, significance, tick=lambda: None, 
         new = explained(field, best)
         taken = taken | new
         stale[:] = True
-        growths = {
-            s: x for s, x in growths.items() if not dead[s] and not any((explained(field, t.thing) & new).any() for t in x)
-        }
+        growths = {s: x for s, x in growths.items() if not dead[s] and not any(t.touches(field, new) for t in x)}
     return found
 
 
@@ -105,7 +103,12 @@ class _Growth:
 
     @cached_property
     def saves(self):
+        """Nats."""
         return saving(self.thing)
+
+    def touches(self, field, flags):
+        """Whether it explains a sample of those that are flagged (n,)."""
+        return bool((explained(field, self.thing) & flags).any())
 
 
 def _by_saving(growths):

@@ -73,8 +73,9 @@ def _pairing(thing):
     centres = placed.mean(axis=1)
     size = np.linalg.norm(placed - centres[:, None], axis=2).max()
     i, j = np.array(sorted(cKDTree(centres).query_pairs(2 * size + MEET)), np.int64).reshape(-1, 2).T
-    meet = [np.isfinite(trees[a].query(placed[b], distance_upper_bound=MEET)[0]).sum() >= CONTACTS for a, b in zip(i, j)]
-    i, j = i[np.array(meet, bool)], j[np.array(meet, bool)]
+    gaps = (trees[a].query(placed[b], distance_upper_bound=MEET)[0] for a, b in zip(i, j))
+    meet = np.array([np.isfinite(gap).sum() >= CONTACTS for gap in gaps], bool)
+    i, j = i[meet], j[meet]
     i, j = np.r_[i, j], np.r_[j, i]
     motions = inverse(thing.poses[i]) @ thing.poses[j]
     best = np.eye(4), i[:0], i[:0]
@@ -84,7 +85,7 @@ def _pairing(thing):
     for c, alike in enumerate(cKDTree(vectors).query_ball_point(vectors, SAME_POSE)):
         a, b = i[alike], j[alike]
         # Half a turn leads there and back: each pair once.
-        once = np.array([not (y, x) in set(zip(a[:k], b[:k])) for k, (x, y) in enumerate(zip(a, b))], bool)
+        once = np.array([(y, x) not in set(zip(a[:k], b[:k])) for k, (x, y) in enumerate(zip(a, b))], bool)
         a, b = a[once], b[once]
         if len(np.unique(np.r_[a, b])) == 2 * len(a) and len(a) > len(best[1]):
             best = motions[c], a, b
@@ -92,8 +93,8 @@ def _pairing(thing):
 
 
 def _alike(thing, first, second):
-    """The pairs turned round so that their first poses are turned as little as can be from that of the nearest pair: half
-    a turn leads from either pose to the other."""
+    """The pairs, turned round so that the first pose of each is turned as little as can be from that of the nearest pair;
+    half a turn leads from either pose to the other."""
     at = (thing.centres(thing.poses[first]) + thing.centres(thing.poses[second])) / 2
     turn = thing.poses[:, :3, :3]
     first, second = first.copy(), second.copy()

@@ -124,18 +124,18 @@ def _sort(lines, number, count, rows):
     number, count : lines and points before these lines
     """
     vertices, vertex_numbers = [], []
-    for number, line in enumerate(lines, number + 1):
+    for at, line in enumerate(lines, number + 1):
         if line[:1].isspace():
             line = line.lstrip()
         if line[:2] in (b"v ", b"v\t"):
             vertices.append(line)
-            vertex_numbers.append(number)
+            vertex_numbers.append(at)
             continue
         some = rows.get(line[:5].split(None, 1)[0]) if line[:1] in (b"l", b"f", b"c", b"s") else None
         if some is not None:
             words = line.split(b"#", 1)[0].split(None, 1)
             some.rows.append(words[1] if len(words) > 1 else b"")
-            some.numbers.append(number)
+            some.numbers.append(at)
             some.before.append(count + len(vertices))
     return vertices, vertex_numbers
 
