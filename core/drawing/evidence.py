@@ -29,7 +29,7 @@ DECOYS, ASIDE = 6, 4.0
 """Motions that measure chance, and edge lengths by which one must move a point across its curve to tell something."""
 
 DISCOVERY = 0.5
-"""Share of a sighting that counts for nothing, as the curve was found by it; candidates are traced where poses agree."""
+"""Share of a sighting that counts for nothing: it found the curve, which was traced where several poses agree."""
 
 LEAST_SHOWN, MOST_SHOWN = 0.35, 0.9
 """Bounds of the share of a curve that a pose shows."""

@@ -93,8 +93,8 @@ def _pairing(thing):
 
 
 def _alike(thing, first, second):
-    """The pairs, turned round so that the first pose of each is turned as little as can be from that of the nearest pair;
-    half a turn leads from either pose to the other."""
+    """The pairs, turned round so that the first pose of each is turned as little as can be from that of the nearest
+    pair; half a turn leads from either pose to the other."""
     at = (thing.centres(thing.poses[first]) + thing.centres(thing.poses[second])) / 2
     turn = thing.poses[:, :3, :3]
     first, second = first.copy(), second.copy()
