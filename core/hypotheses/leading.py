@@ -36,11 +36,12 @@ def leading(field: Field, seeds: Seeds, *, tick=lambda: None) -> Seeds:
     for i in range(0, len(lead), 50):
         tick()
         part = lead.take(slice(i, i + 50))
-        region, _, _ = _around(field, part.stretch, AROUND)
-        probe = field.probe(np.maximum(region, 0))
-        probe = replace(probe, points=probe.points + np.where(region < 0, 1e6, 0.0)[..., None])
+        region = _around(field, part.stretch, WIDE)
+        sample, gap = (x[:, : int((region[1] <= AROUND).sum(axis=1).max())] for x in region[:2])
+        probe = field.probe(np.maximum(sample, 0))
+        probe = replace(probe, points=probe.points + np.where(gap > AROUND, 1e6, 0.0)[..., None])
         motions = align(field, part.motions, probe, radii=(1.75 * field.radius, field.radius))
-        parts.append(scored_widely(field, replace(part, motions=motions)))
+        parts.append(_scored(field, replace(part, motions=motions), region))
     if not parts:
         return lead
     out = Seeds(*(np.concatenate(x) for x in zip(*(vars(p).values() for p in parts))))
@@ -49,16 +50,20 @@ def leading(field: Field, seeds: Seeds, *, tick=lambda: None) -> Seeds:
 
 def scored_widely(field: Field, seeds: Seeds, taken=None) -> Seeds:
     """The seeds with their score on their wide neighbourhood; samples that are taken (n,) bool tell nothing."""
-    region, gap, length = _around(field, seeds.stretch, WIDE)
+    return _scored(field, seeds, _around(field, seeds.stretch, WIDE), taken)
+
+
+def _scored(field, seeds, region, taken=None):
     middle = field.points[seeds.source]
-    score, extent = region_scores(field, seeds.motions, region, gap, length, middle, taken=taken)
+    score, extent = region_scores(field, seeds.motions, *region, middle, taken=taken)
     return replace(seeds, score=score, extent=extent)
 
 
 def _around(field, stretch, radius):
     """Samples (k, POINTS) int64 within a radius of stretches (k, s), nearest first and -1 where fewer are, how far
-    they are from the stretch, and edge lengths of curve that each stands for (k,)."""
-    lists = field.tree.query_ball_point(field.points[stretch], radius)
+    they are from the stretch (infinite there), and edge lengths of curve that each stands for (k,)."""
+    # The ends and the middle of a stretch have all that is around it.
+    lists = field.tree.query_ball_point(field.points[stretch[:, :: max(1, stretch.shape[1] // 4)]], radius)
     table, gaps = np.full((len(stretch), POINTS), -1), np.full((len(stretch), POINTS), np.inf)
     length = np.ones(len(stretch))
     for i, row in enumerate(lists):
