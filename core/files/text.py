@@ -67,9 +67,11 @@ BLOCK = 1 << 20
 """Bytes of text that are cut into words at once: words take ten times the memory of their text."""
 
 
-def blocks(data):
-    """The text in pieces of about `BLOCK` bytes that end with a line, one that goes on after a backslash included."""
-    begin = 0
+def blocks(data, begin=0):
+    """The text from a place on, in pieces of about `BLOCK` bytes.
+
+    Each ends with a line, and with what it goes on with after a backslash.
+    """
     while begin < len(data):
         end = data.find(b"\n", begin + BLOCK) + 1
         while end and data[max(begin, end - 200) : end].rstrip().endswith(b"\\"):

@@ -17,6 +17,10 @@ def distinct_rows(rows):
     there = rows[order]
     new = np.ones(len(rows), bool)
     new[1:] = (there[1:] != there[:-1]).any(axis=1)
+    distinct = there[new]
+    del there  # rows may be most of the memory that there is
+    run = np.cumsum(new)
+    run -= 1
     index = np.empty(len(rows), np.int64)
-    index[order] = np.cumsum(new) - 1
-    return there[new], order[new], index
+    index[order] = run
+    return distinct, order[new], index

@@ -145,7 +145,7 @@ def _parsed(path, some, is_refused) -> _Statements:
     if is_refused:  # only where they stand is asked
         rows = [b""] * len(rows)
     if any(b"/" in row for row in rows):
-        rows = [b" ".join(word.split(b"/", 1)[0] for word in row.split()) for row in rows]
+        rows = re.sub(rb"/\S*", b"", b"\n".join(rows)).split(b"\n")
     lengths = np.fromiter((len(row.split()) for row in rows), np.int32, len(rows))
     index = parse_numbers(path, rows, numbers, int)
     if len(index) and np.abs(index).max() < 2**31:

@@ -56,10 +56,13 @@ def read_ply_surface(path):
             index, offsets = _strips(index, offsets)
         _check_range(path, name, index, offsets, len(points))
         parts.append((index, offsets))
-    index = np.concatenate([index for index, _ in parts])
-    sizes = np.concatenate([np.diff(offsets) for _, offsets in parts])
+    del elements, corners, lists  # with them the bytes of the file
+    if len(parts) > 1:
+        index = np.concatenate([index for index, _ in parts])
+        sizes = np.concatenate([np.diff(offsets) for _, offsets in parts])
+        offsets = np.r_[0, np.cumsum(sizes)]
     points, index, _ = _used(path, points, index, None)
-    return points, triangles_of_polygons(points, index, np.r_[0, np.cumsum(sizes)])
+    return points, triangles_of_polygons(points, index, offsets)
 
 
 def _corners(path, elements, name) -> Lists:
@@ -79,20 +82,24 @@ def _plain(path, element, properties, name) -> np.ndarray:
 
 
 def _integers(path, element, name, values) -> np.ndarray:
-    """(n,) int64 of any numbers that are whole."""
+    """(n,) int64 of any numbers that are whole, in an array of any shape."""
     if values.dtype.kind == "f":
         with np.errstate(invalid="ignore"):
             wrong = np.flatnonzero(~(np.abs(values) < 2.0**53) | (values != np.floor(values)))
         if len(wrong):
-            raise InputError(f"{path}: `{name}` of `{element}`: {values[wrong[0]]:g} is no index; export it again")
-    return values.astype(np.int64)
+            shown = values.ravel()[wrong[0]]
+            raise InputError(f"{path}: `{name}` of `{element}`: {shown:g} is no index; export it again")
+    return values.astype(np.int64).reshape(-1)
 
 
 def _points(path, elements) -> np.ndarray:
     vertex = elements.get("vertex", {})
     if not {"x", "y", "z"} <= set(vertex):
         raise InputError(f"{path}: no element `vertex` with x, y and z; export it again")
-    return np.stack([_plain(path, "vertex", vertex, c) for c in "xyz"], axis=1).astype(np.float64)
+    points = np.empty((len(_plain(path, "vertex", vertex, "x")), 3))
+    for i, c in enumerate("xyz"):
+        points[:, i] = _plain(path, "vertex", vertex, c)
+    return points
 
 
 def _used(path, points, index, strength):
@@ -110,8 +117,8 @@ def _used(path, points, index, strength):
             raise InputError(f"{path}: vertex {wrong[0]}: its curvature is not finite; correct it or remove it")
         strength = np.where(strength <= LARGEST, strength, 0.0)[~bad]
     if bad.any():
-        index = (np.cumsum(~bad) - 1)[index]
-    return points[~bad], index, strength
+        points, index = points[~bad], (np.cumsum(~bad) - 1)[index]
+    return points, index, strength
 
 
 def _check_range(path, name, index, offsets, count):

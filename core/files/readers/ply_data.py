@@ -16,13 +16,17 @@ from struct import Struct
 import numpy as np
 
 from ...errors import InputError
-from ..text import load, without_mark
+from ..text import blocks, load, without_mark
 from .ply_header import INTEGERS, Property, check_counts, cut_off, parse_header
 
 
 @dataclass(frozen=True)
 class Lists:
-    """values : (k,) array; offsets : (n + 1,) int64, the list of row i is ``values[offsets[i]:offsets[i + 1]]``"""
+    """The list of row i is ``values.ravel()[offsets[i]:offsets[i + 1]]``.
+
+    values : (k,) array, or (n, c) where all lists are of one length
+    offsets : (n + 1,) int64
+    """
 
     values: np.ndarray
     offsets: np.ndarray
@@ -32,9 +36,10 @@ def read_elements(path) -> dict:
     """Element name -> property name -> (n,) array, or Lists."""
     data = without_mark(load(path))
     order, elements, begin = parse_header(path, data)
-    body = memoryview(data)[begin:]
-    check_counts(path, elements, order, len(body))
-    read: _Ascii | _Binary = _Ascii(path, data[begin:]) if order is None else _Binary(path, body, order)
+    check_counts(path, elements, order, len(data) - begin)
+    read: _Ascii | _Binary
+    read = _Ascii(path, data, begin) if order is None else _Binary(path, memoryview(data)[begin:], order)
+    del data
     found = {element.name: read.element(element) if element.properties else {} for element in elements}
     read.check_end()
     return found
@@ -43,16 +48,24 @@ def read_elements(path) -> dict:
 class _Ascii:
     """Numbers one after the other, wherever their lines end."""
 
-    def __init__(self, path, body):
+    def __init__(self, path, data, begin):
+        values = array("d")
+        for body in blocks(data, begin):
+            values.frombytes(self._numbers(path, body).tobytes())
+        self._values = np.frombuffer(values, np.float64) if values else np.zeros(0)
+        self._path, self._at = path, 0
+
+    def _numbers(self, path, body) -> np.ndarray:
         if re.search(rb"(?:^|[\r\n])[ \t]*(?:comment|obj_info)\b", body):
             body = re.sub(rb"(?:(?<=[\r\n])|\A)[ \t]*(?:comment|obj_info)\b[^\r\n]*", b"", body)
+        if not body or body.isspace():
+            return np.zeros(0)
         with warnings.catch_warnings():
             warnings.simplefilter("error", DeprecationWarning)
             try:
-                self._values = np.fromstring(body.replace(b"\0", b"?"), np.float64, sep=" ")
+                return np.fromstring(body.replace(b"\0", b"?"), np.float64, sep=" ")
             except (DeprecationWarning, ValueError):
                 self._blame(path, body)
-        self._path, self._at = path, 0
 
     @staticmethod
     def _blame(path, body):
@@ -72,6 +85,8 @@ class _Ascii:
             table = self._values[self._at : self._at + element.count * width].reshape(element.count, width)
             self._at += element.count * width
             return {p.name: table[:, i] for i, p in reversed(list(enumerate(element.properties)))}
+        if width == 1 and (even := self._even(element, left)) is not None:
+            return {element.properties[0].name: even}
         starts, counts = self._walk(element)
         out = {}
         for i, p in reversed(list(enumerate(element.properties))):
@@ -80,6 +95,18 @@ class _Ascii:
             at = np.arange(offsets[-1]) + np.repeat(start - offsets[:-1], count)
             out[p.name] = Lists(self._values[at], offsets) if p.length else self._values[at]
         return out
+
+    def _even(self, element, left) -> Lists | None:
+        """The lists of an element that has nothing else, where all are of one length; None where they are not."""
+        size = self._values[self._at] if left and element.count else -1.0
+        if not (0 <= size < left and size == int(size)) or element.count * (int(size) + 1) > left:
+            return None
+        size = int(size)
+        table = self._values[self._at : self._at + element.count * (size + 1)].reshape(element.count, size + 1)
+        if (table[:, 0] != size).any():
+            return None
+        self._at += table.size
+        return Lists(table[:, 1:], np.arange(element.count + 1) * size)
 
     def check_end(self):
         """Raise InputError for numbers that belong to no row: then a row is too long, and all behind it are wrong."""
@@ -153,7 +180,7 @@ class _Binary:
             column = values[f"v{i}"]
             if p.length:
                 offsets = np.arange(element.count + 1) * row[f"v{i}"].shape[0]
-                out[p.name] = Lists(column.reshape(-1), offsets)
+                out[p.name] = Lists(column, offsets)
             else:
                 out[p.name] = column
         return out

@@ -7,7 +7,7 @@ import numpy as np
 
 from ...errors import InputError
 from ...geometry.rows import distinct_rows
-from ..text import MARKS, load, load_lines, parse_numbers
+from ..text import MARKS, blocks, load, load_text, parse_numbers
 
 _HEADER = 84
 _FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
@@ -17,14 +17,19 @@ _UNKNOWN = (0, 2**32 - 1)  # counts of writers that do not know how many will fo
 def read_stl_surface(path):
     """Points (n, 3) float64, equal ones made one, and triangles (m, 3) int64."""
     data = load(path)
-    corners = _ascii(path) if _is_text(data) else _binary(path, data)
+    if _is_text(data):
+        del data
+        corners = _ascii(path)
+    else:
+        corners = _binary(path, data)
+        del data
     if not len(corners):
         raise InputError(f"{path}: no facets, so no surface; export it again")
     wrong = np.flatnonzero(~np.isfinite(corners).all(axis=1))
     if len(wrong):
         raise InputError(f"{path}: facet {wrong[0] // 3}: a coordinate is not finite; repair the mesh")
     points, _, index = distinct_rows(corners)
-    return points, index.reshape(-1, 3)
+    return points.astype(np.float64), index.reshape(-1, 3)
 
 
 def _is_text(data) -> bool:
@@ -41,7 +46,7 @@ def _count(data, at) -> int:
 
 
 def _binary(path, data) -> np.ndarray:
-    """(k, 3) float64, corners of all facets of all solids; spare bytes behind them are passed over."""
+    """(k, 3) float32, corners of all facets of all solids; spare bytes behind them are passed over."""
     if len(data) < _HEADER:
         raise InputError(f"{path}: {len(data)} bytes are too few for an STL file; it was cut off, export it again")
     at, parts = 0, []
@@ -64,8 +69,8 @@ def _binary(path, data) -> np.ndarray:
             if _are_facets(more, found):  # the header tells of too few
                 found, at = np.concatenate([found, more]), len(data)
         with np.errstate(invalid="ignore"):  # NaN of any kind is named later
-            parts.append(found["corners"].astype(np.float64).reshape(-1, 3))
-    return np.concatenate(parts)
+            parts.append(found["corners"].astype(np.float32).reshape(-1, 3))
+    return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
 def _are_facets(more, found) -> bool:
@@ -78,26 +83,42 @@ def _are_facets(more, found) -> bool:
 
 
 def _ascii(path) -> np.ndarray:
-    rows, numbers, begin = [], [], 0
-    for number, line in enumerate(load_lines(path), 1):
+    """(k, 3) float64, corners of all facets; the text becomes numbers block by block."""
+    parts, line, corner = [np.zeros((0, 3))], 0, 0
+    for block in blocks(load_text(path)):
+        lines = block.splitlines()
+        rows, numbers, corner = _vertices(path, lines, line, corner)
+        line += len(lines)
+        if rows:
+            parts.append(parse_numbers(path, rows, numbers).reshape(-1, 3))
+    corners = np.concatenate(parts)
+    if len(corners) % 3:
+        raise InputError(
+            f"{path}: {len(corners)} vertices are no whole number of facets; it was cut off, export it again"
+        )
+    return corners
+
+
+def _vertices(path, lines, number, corner):
+    """The coordinates of vertices as words, the line of each, and how many the last facet has so far.
+
+    number, corner : the lines before these, and how many vertices the facet has that they begin in
+    """
+    rows, numbers = [], []
+    for at, line in enumerate(lines, number + 1):
         words = line.lower().split()
         if not words or words[0] in (b"solid", b"endsolid"):
             continue
-        at = [i for i, word in enumerate(words) if word == b"vertex"]
-        for i in at:
+        here = [i for i, word in enumerate(words) if word == b"vertex"]
+        for i in here:
             coordinates = words[i + 1 : i + 4]
-            if len(coordinates) < 3 or (len(at) == 1 and i == 0 and len(words) != 4):
-                raise InputError(f"{path}: line {number}: a vertex needs three coordinates; correct the line")
+            if len(coordinates) < 3 or (len(here) == 1 and i == 0 and len(words) != 4):
+                raise InputError(f"{path}: line {at}: a vertex needs three coordinates; correct the line")
             rows.append(b" ".join(coordinates))
-            numbers.append(number)
+            numbers.append(at)
+        corner += len(here)
         if b"endloop" in words:
-            if (len(rows) - begin) % 3 or (not at and len(rows) - begin != 3):
-                raise InputError(
-                    f"{path}: line {number}: a facet of {len(rows) - begin} vertices; export triangles, was it cut off?"
-                )
-            begin = len(rows)
-    if len(rows) % 3:
-        raise InputError(f"{path}: {len(rows)} vertices are no whole number of facets; it was cut off, export it again")
-    if not rows:
-        return np.zeros((0, 3))
-    return parse_numbers(path, rows, numbers).reshape(-1, 3)
+            if corner % 3 or (not here and corner != 3):
+                raise InputError(f"{path}: line {at}: a facet of {corner} vertices; export triangles, was it cut off?")
+            corner = 0
+    return rows, numbers, corner

@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Reading takes little more memory than the file: three times its size beside a fixed base, the result included."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).resolve().parents[3]
+
+BASE = 20e6
+"""Bytes: a block of text as words, above all."""
+
+SIZE = 400
+
+PROGRAM = """
+import resource, sys
+from core.files import formats
+from core.files.readers import obj, ply, stl  # so that what they import is not counted
+read = formats.read_lines if sys.argv[2] == "lines" else formats.read_surface
+before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+found = read(sys.argv[1])
+print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before)
+"""
+
+
+@pytest.fixture(scope="module")
+def mesh():
+    """Points (n, 3) and triangles (m, 3) of a wavy sheet."""
+    x, y = np.meshgrid(np.arange(SIZE) * 0.1, np.arange(SIZE) * 0.1, indexing="ij")
+    points = np.c_[x.ravel(), y.ravel(), np.sin(x.ravel())]
+    a = (np.arange(SIZE - 1)[:, None] * SIZE + np.arange(SIZE - 1)).ravel()
+    return points, np.concatenate([np.c_[a, a + SIZE, a + SIZE + 1], np.c_[a, a + SIZE + 1, a + 1]])
+
+
+def rows(form, values):
+    return "".join(form % tuple(row) for row in values.tolist()).encode()
+
+
+def obj(points, faces):
+    return rows("v %.6f %.6f %.6f\n", points) + rows("f %d/1 %d/1 %d/1\n", faces + 1)
+
+
+def obj_lines(points, faces):
+    return rows("v %.6f %.6f %.6f\n", points) + rows("l %d %d\n", faces[:, :2] + 1)
+
+
+def header(form, points, faces):
+    lines = ["ply", f"format {form} 1.0", f"element vertex {len(points)}", *(f"property double {c}" for c in "xyz")]
+    lines += [f"element face {len(faces)}", "property list uchar int vertex_indices", "end_header", ""]
+    return "\n".join(lines).encode()
+
+
+def ascii_ply(points, faces):
+    return header("ascii", points, faces) + rows("%.6f %.6f %.6f\n", points) + rows("3 %d %d %d\n", faces)
+
+
+def binary_ply(points, faces):
+    table = np.zeros(len(faces), [("n", "u1"), ("i", "<i4", 3)])
+    table["n"], table["i"] = 3, faces
+    return header("binary_little_endian", points, faces) + points.astype("<f8").tobytes() + table.tobytes()
+
+
+def binary_stl(points, faces):
+    table = np.zeros(len(faces), [("n", "<f4", 3), ("c", "<f4", (3, 3)), ("a", "<u2")])
+    table["c"] = points[faces]
+    return b" " * 80 + np.uint32(len(faces)).tobytes() + table.tobytes()
+
+
+def ascii_stl(points, faces):
+    corner = "vertex %.6f %.6f %.6f\n"
+    form = f"facet normal 0 0 1\nouter loop\n{3 * corner}endloop\nendfacet\n"
+    return b"solid x\n" + rows(form, points[faces[:80_000]].reshape(-1, 9)) + b"endsolid x\n"
+
+
+KINDS = [
+    (obj, "a.obj", "surface"), (obj_lines, "l.obj", "lines"), (ascii_ply, "a.ply", "surface"),
+    (binary_ply, "b.ply", "surface"), (binary_stl, "b.stl", "surface"), (ascii_stl, "a.stl", "surface"),
+]  # fmt: skip
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the memory of a process is asked in Linux's way")
+@pytest.mark.parametrize(("make", "name", "what"), KINDS, ids=[kind[0].__name__ for kind in KINDS])
+def test_reading_takes_three_times_the_file_at_most(mesh, tmp_path, make, name, what):
+    path = tmp_path / name
+    path.write_bytes(make(*mesh))
+    size = path.stat().st_size
+    assert size > 7e6
+    command = [sys.executable, "-c", PROGRAM, str(path), what]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=200, check=True)
+    peak = 1024 * int(done.stdout)
+    assert peak < 3 * size + BASE, f"{(peak - BASE) / size:.1f} times the file"
