@@ -15,6 +15,10 @@ WELD = 1e-3
 """Ends this near are one, in edge lengths: far below any feature, far above the rounding of a drawing."""
 
 
+UNITS = {1: "in", 2: "ft", 4: "mm", 5: "cm", 6: "m", 7: "km", 10: "yd", 14: "dm", 21: "ft (US survey)"}
+"""Names of the units that drawings are in, by DXF's code."""
+
+
 @dataclass(frozen=True)
 class Shares:
     """Which part of which input curve became which curve, a row for each pair that shares a length.

@@ -11,7 +11,7 @@ from pathlib import Path
 from ...core.errors import Cancelled, InputError
 from ...core.files.formats import is_blenders, mean_edge_length
 from ...core.files.readers.dxf import require_ezdxf
-from ...core.files.reading import concatenate
+from ...core.files.reading import UNITS, concatenate
 from .. import installation, scans
 from . import arguments, inputs, writing
 from .figure import figure
@@ -59,8 +59,10 @@ def _run(options, terminal):
             edge_length, origin = _edge_length(options, reading)
             if len(detected) < len(parts):  # detected curves meet where they meet
                 reading = _joined(reading, options.weld * edge_length)
+            unit = f" {UNITS[reading.units]}" if reading.units in UNITS else ""
             terminal.say(
-                f"{reading.count} curves, {len(reading.curves.points)} points, edge length {edge_length:.4g} ({origin})"
+                f"{reading.count} curves, {len(reading.curves.points)} points, "
+                f"edge length {edge_length:.4g}{unit} ({origin})"
             )
             completion = _complete(reading.curves, edge_length, parameters, terminal)
             fitted = _fitted(completion, reading, parameters)
