@@ -31,7 +31,7 @@ def allowed(samples: Samples, chain: Chain, blur: float) -> np.ndarray:
 
 
 STRAY = 1.5
-"""How far a corner may lie from what smoothing left of it, multiples of `blur`: a right angle is rounded by 0.56 of it."""
+"""How far a corner may lie from what smoothing left of it, in `blur`: a right angle is rounded by 0.56 of it."""
 
 
 def strays(samples: Samples, chain: Chain, blur: float) -> np.ndarray:
