@@ -48,9 +48,7 @@ SHA256 = {
     "ezdxf-1.4.5-py3-none-any.whl": "70a79ec7d40990f60453e3c87ffe9f668907ee061cf6f4c0a3794d032ec2b40e",
     "fonttools-4.68.0-py3-none-any.whl": "d76f8fdcb6936f5e1045a0c9dd721a4bf11112e60d1e243bfa1d39f06a8b3104",
     "pyparsing-3.3.3-py3-none-any.whl": "ece8c00a69cf01b45d0b1dedabb469c90d8caf996d4fda40f147627a122849a4",
-    "typing_extensions-4.16.0-py3-none-any.whl": (
-        "481caa481374e813c1b176ada14e97f1f67a4539ce9cfeb3f350d78d6370c2e8"
-    ),
+    "typing_extensions-4.16.0-py3-none-any.whl": ("481caa481374e813c1b176ada14e97f1f67a4539ce9cfeb3f350d78d6370c2e8"),
 }
 
 # Blender's platform -> how the last part of a wheel's name begins and ends. "any" is for all.

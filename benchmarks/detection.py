@@ -124,7 +124,6 @@ def under_noise():
                 f"{np.mean(pieces):5.2f} pieces, {np.mean(seen):.3f} of the length, {extra} curves that are none"
             )
 
-
     # noise on the box as it is made would tear its seams
     clean = TriangleMesh.of(*surfaces.rounded_box(48))
     edges = surfaces.box_crests().reshape(12, -1, 3)

@@ -3,7 +3,8 @@
 
 Walls of several sizes and the example are completed in this process, and a scan is detected at several sizes. For
 each stage a constant and a power of the size are fitted to the seconds. What is printed is the table of
-`fcn_addon/rates.py`, and how wrong an estimate from it would have been. Run it again when a stage has become faster or slower.
+`fcn_addon/rates.py`, and how wrong an estimate from it would have been. Run it again when a stage has become faster or
+slower.
 """
 
 from __future__ import annotations

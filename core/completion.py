@@ -42,9 +42,7 @@ def build_completion(
     inputs.component[network.source] = np.where(recurs, label, -1)
     strong = tuple(CompletedCurve(network.to_world(c.points), c.closed, -1, c.support) for c in single)
     members = {k: [m for m in range(len(orbits)) if same[m] == k] for k in used}
-    transformations = tuple(
-        _transformation(network, model, orbits[k], i, members[k]) for i, k in enumerate(used)
-    )
+    transformations = tuple(_transformation(network, model, orbits[k], i, members[k]) for i, k in enumerate(used))
     return Completion(network.unit, transformations, tuple(templates), strong, inputs, {}, {})
 
 

@@ -1,16 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is too coarse of an input: the coordinates of a scan, the segments that an edge length is estimated from."""
+"""What is too coarse of an input: the coordinates of a scan."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from ..core.geometry.polylines import segments
-
 SHARE = 0.1
 """Of the edge length: what is rounded coarser bends the surface more than the noise of scanners does."""
-DRAWN = 4.0
-"""Lengths of segments that differ by more are no lengths of edges of a scan, but of lines that were drawn."""
 SAMPLE = 100_000  # points that are looked at
 FULL = 0.5
 """Share of the steps between the least and the greatest coordinate that points lie on. Rounding fills nearly all of
@@ -32,19 +28,6 @@ def rounding_step(points, triangles, edge_length):
         if not is_grid or _is_single_precision(every[:, axis], step):
             found = max(found, step)
     return found if found > SHARE * edge_length else None
-
-
-def coarse_spread(curves):
-    """Lengths between which most segments of curves are, where they differ as those of drawings do; None otherwise.
-
-    The edge length is estimated as their median; that of curves along the edges of a scan is a good one.
-    """
-    _, lengths = segments(curves)
-    lengths = lengths[lengths > 0]
-    if not len(lengths):
-        return None
-    shortest, longest = np.quantile(lengths, (0.1, 0.9)).tolist()
-    return (shortest, longest) if longest > DRAWN * shortest else None
 
 
 def _step(values) -> float:

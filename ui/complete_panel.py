@@ -118,7 +118,8 @@ def _draw_summary(box, context):
     text = text.format(curves=found.curves, objects=found.objects)
     row.label(text=text, icon="CURVE_DATA", translate=False)
     row.operator("fcn.measure", text="", icon="FILE_REFRESH", emboss=False)
-    edge = unit_length(context.scene)(found.edge_length)
+    length = unit_length(context.scene)
+    edge = length(found.edge_length)
     for text in (
         iface_("{samples:,} samples, edge length {edge}").format(samples=found.samples, edge=edge),
         iface_("{strong:,} strong curves").format(strong=found.strong),
@@ -127,6 +128,9 @@ def _draw_summary(box, context):
         column.label(text=text, icon="BLANK1", translate=False)
     if found.coarse:
         column.label(text="The edge length is a coarse estimate: type it in", icon="INFO")
+        if found.outline:
+            text = iface_("A fiftieth of drawn outlines of {size}").format(size=length(found.outline))
+            column.label(text=text, icon="BLANK1", translate=False)
     if found.left_out:
         text = iface_("Left out: {objects}").format(objects=found.left_out)
         column.label(text=text, icon="INFO", translate=False)

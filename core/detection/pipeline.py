@@ -86,7 +86,6 @@ def _found(mesh, field, kinds, parameters, progress) -> FeatureCurves:
     surface = Surface(mesh)
     found = []
     for i, kind in enumerate(kinds):
-
         done = 0
 
         def tick(i=i):

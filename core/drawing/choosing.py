@@ -49,9 +49,6 @@ six windows that lacks its sill has a sill; what half of them lack is another ki
 SPREAD = 5.0
 """Edge lengths by which poses must spread in a direction to lie on sides of it (tolerance)."""
 
-TOUCHING = 1.0
-"""Nats that a curve must have that touches what is known of the thing."""
-
 
 @dataclass(frozen=True)
 class Chosen:
@@ -125,9 +122,9 @@ class _Near:
         self.tree = cKDTree(core)
 
     def price(self, curve, least, join):
-        """Nats that a curve must have: little where it touches what is known, `least` at `join`, more beyond."""
+        """Nats that a curve must have: none where it touches what is known, `least` at `join`, more beyond."""
         gap = self.tree.query(curve)[0].min()
-        return max(TOUCHING, least * gap / join)
+        return least * gap / join
 
     def add(self, curves):
         self.more += curves

@@ -7,6 +7,8 @@ as the continuation of a curve of the thing it is one, and evidence decides whet
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..consolidation.joining import linked_paths
@@ -14,6 +16,9 @@ from ..geometry.polylines import resample_polyline, smooth_polyline
 from .choosing import SHORTEST, Chosen
 from .evidence import Sightings
 from .overlay import Overlay
+
+MEETING, AROUND = 3.0, 20
+"""Tolerances: edge lengths between the ends of a curve that is a ring, and points that a ring has at least."""
 
 GAP, FEW = 14.0, 5
 """Tolerance: longest gap that is joined before evidence is asked; bound on the work: poses of a thing up to which
@@ -43,6 +48,15 @@ def continued(chosen: Chosen, found: Sightings, overlay: Overlay) -> Chosen:
                 out.append((line, bool(ring), mine, sum(chosen.scores[open_[m]] for m in old)))
     curves, closed, sets, scores = zip(*out)
     return Chosen(list(curves), list(closed), np.array(sets), np.array(scores))
+
+
+def closed_up(chosen: Chosen) -> Chosen:
+    """The curves, those whose two ends meet as rings."""
+    rings = [
+        bool(ring) or (len(c) > AROUND and np.linalg.norm(c[0] - c[-1]) < MEETING)
+        for c, ring in zip(chosen.curves, chosen.closed)
+    ]
+    return replace(chosen, closed=rings)
 
 
 def explained_items(chosen, found, overlay):

@@ -28,6 +28,9 @@ RIVAL = 1.0
 DECOYS, ASIDE = 6, 4.0
 """Motions that measure chance, and edge lengths by which one must move a point across its curve to tell something."""
 
+DISCOVERY = 0.5
+"""Share of a sighting that counts for nothing: it found the curve, which was traced where several poses agree."""
+
 LEAST_SHOWN, MOST_SHOWN = 0.35, 0.9
 """Bounds of the share of a curve that a pose shows."""
 
@@ -103,7 +106,7 @@ def log_odds(seen, p, q):
 
 def point_scores(seen, p, q):
     """(points,) float64, nats of each point over all poses, one sighting being its discovery."""
-    first = np.log(p / q) / min(APART, seen.shape[1])
+    first = DISCOVERY * np.log(p / q) / min(APART, seen.shape[1])
     return log_odds(seen, p, q).sum(axis=0) - first * seen.any(axis=0)
 
 

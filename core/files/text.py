@@ -36,7 +36,7 @@ def load(path) -> bytes:
         raise InputError(f"{str(path)!r}: this is no file name; check the path") from None
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror}); check that you may read it") from None
-    if not data.strip():
+    if not data or data.isspace():
         raise InputError(f"{path}: the file is empty; export it again")
     return data
 
@@ -49,7 +49,7 @@ def load_text(path) -> bytes:
     data = without_mark(load(path)).rstrip(b"\0\x1a")
     if b"\0" in data[:65536]:
         raise InputError(f"{path}: this is binary data, not text; check the file's format and its ending")
-    if not data.strip():
+    if not data or data.isspace():
         raise InputError(f"{path}: the file is empty; export it again")
     return data
 
@@ -61,6 +61,22 @@ def without_mark(data) -> bytes:
             data = data[len(mark) :]
             return data if name == "utf-8" else data.decode(name, "replace").encode()
     return data
+
+
+BLOCK = 1 << 20
+"""Bytes of text that are cut into words at once: words take ten times the memory of their text."""
+
+
+def blocks(data):
+    """The text in pieces of about `BLOCK` bytes that end with a line, one that goes on after a backslash included."""
+    begin = 0
+    while begin < len(data):
+        end = data.find(b"\n", begin + BLOCK) + 1
+        while end and data[max(begin, end - 200) : end].rstrip().endswith(b"\\"):
+            end = data.find(b"\n", end) + 1
+        end = end or len(data)
+        yield data[begin:end]
+        begin = end
 
 
 def load_lines(path) -> list[bytes]:

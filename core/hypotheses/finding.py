@@ -14,6 +14,7 @@ from ..transformations.description import saving
 from .growth import CAREFUL, EAGER, REACHES, full_grown, grown, started
 from .hypothesis import explained
 from .leading import leading, scored_widely
+from .merging import merged
 from .seeding import Seeds
 from .significance import evident, expected_by_chance
 from .splitting import split
@@ -59,10 +60,7 @@ def find_things(field: Field, seeds: Seeds, *, significance, tick=lambda: None, 
             tick()
             expected = expected_by_chance(field, thing)
             if expected <= significance:
-                smaller = split(field, thing, seeds, taken, tick)
-                if smaller is not thing:
-                    thing = evident(field, smaller)
-                    expected = expected_by_chance(field, thing)
+                thing, expected = _cells_put_right(field, thing, expected, seeds, taken, significance, tick)
             log(f"thing: {len(thing)} poses, {len(thing.points)} points, gain {thing.gain:.0f}, E {expected:.2g}")
             if len(thing) >= 2 and expected <= significance:
                 best = replace(thing, expected=expected)
@@ -79,10 +77,21 @@ def find_things(field: Field, seeds: Seeds, *, significance, tick=lambda: None, 
         new = explained(field, best)
         taken = taken | new
         stale[:] = True
-        growths = {
-            s: x for s, x in growths.items() if not dead[s] and not any((explained(field, t.thing) & new).any() for t in x)
-        }
+        growths = {s: x for s, x in growths.items() if not dead[s] and not any(t.touches(field, new) for t in x)}
     return found
+
+
+def _cells_put_right(field, thing, expected, seeds, taken, significance, tick):
+    """The thing and its E-value, or those of what it is two of, or half of."""
+    for other in (split(field, thing, seeds, taken, tick), merged(field, thing, taken)):
+        tick()
+        if other is thing:
+            continue
+        other = evident(field, other)
+        other_expected = expected_by_chance(field, other)
+        if len(other) >= 2 and other_expected <= significance:
+            return other, other_expected
+    return thing, expected
 
 
 class _Growth:
@@ -94,7 +103,12 @@ class _Growth:
 
     @cached_property
     def saves(self):
+        """Nats."""
         return saving(self.thing)
+
+    def touches(self, field, flags):
+        """Whether it explains a sample of those that are flagged (n,)."""
+        return bool((explained(field, self.thing) & flags).any())
 
 
 def _by_saving(growths):

@@ -13,7 +13,7 @@ from ..evidence.decoys import SHIFTS, decoys, slipped
 from ..evidence.field import Field
 from ..evidence.odds import LEAST_CHANCE
 from ..geometry.motions import inverse
-from .extent import spread, chance_of, extended
+from .extent import chance_of, extended, spread
 from .hypothesis import SPACING, Hypothesis, distinct, explained, pose_scores
 from .seeding import Seeds
 from .symmetry import oriented

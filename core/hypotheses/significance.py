@@ -18,6 +18,7 @@ from ..evidence.odds import LEAST_CHANCE, UNIT, between, log_odds, sliding
 from ..geometry.motions import inverse
 from .extent import spread
 from .hypothesis import SPACING, Hypothesis
+from .symmetry import replace_frame
 
 ABOUT = 8.0
 """Edge lengths about the points within which samples tell."""
@@ -130,13 +131,12 @@ def _overlay(field, thing):
     for pose in thing.poses:
         at = thing.points @ pose[:3, :3].T + pose[:3, 3]
         near = np.flatnonzero(np.isfinite(cKDTree(at).query(field.points, distance_upper_bound=ABOUT)[0]))
-        back = inverse(pose)
-        moved = field.probe(near).moved(back[None])
-        parts.append((moved.points[0], moved.tangents[0], None if moved.normals is None else moved.normals[0], moved.kind))
+        parts.append(replace_frame(field.probe(near), inverse(pose)))
         samples.append(near)
-    points, tangents, normals, kind = (None if x[0] is None else np.concatenate(x) for x in zip(*parts))
+    columns = zip(*((p.points, p.tangents, p.normals, p.kind) for p in parts))
+    points, tangents, normals, kind = (None if x[0] is None else np.concatenate(x) for x in columns)
+    pose = np.repeat(np.arange(len(parts)), [len(s) for s in samples])
     samples = np.concatenate(samples)
-    pose = np.repeat(np.arange(len(parts)), [len(p[0]) for p in parts])
     at = samples - n.offsets[n.curve_of[samples]]
     _, block = np.unique(np.stack([pose, n.curve_of[samples], at // BLOCK]), axis=1, return_inverse=True)
     # Samples are one edge apart: a little less than SPACING takes every other one.

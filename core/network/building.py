@@ -95,9 +95,7 @@ def _average_strength(curves: Curves) -> np.ndarray:
     if curves.strength is None:
         return np.full(len(curves), np.nan)
     count = np.diff(curves.offsets)
-    total = np.bincount(
-        np.repeat(np.arange(len(curves)), count), np.abs(curves.strength), minlength=len(curves)
-    )
+    total = np.bincount(np.repeat(np.arange(len(curves)), count), np.abs(curves.strength), minlength=len(curves))
     return total / np.maximum(count, 1)
 
 

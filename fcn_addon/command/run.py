@@ -13,7 +13,6 @@ from ...core.files.formats import is_blenders, mean_edge_length
 from ...core.files.readers.dxf import require_ezdxf
 from ...core.files.reading import concatenate
 from .. import installation, scans
-from ..coarse import coarse_spread
 from . import arguments, inputs, writing
 from .figure import figure
 from .outputs import Outputs
@@ -57,8 +56,7 @@ def _run(options, terminal):
             said = writing.write_detected(detected, detection, kinds, seconds, wanted, outputs, _name(options), given)
         else:
             reading = concatenate(parts)
-            edge_length = _edge_length(options, reading)
-            origin = _origin(options, reading)
+            edge_length, origin = _edge_length(options, reading)
             if len(detected) < len(parts):  # detected curves meet where they meet
                 reading = _joined(reading, options.weld * edge_length)
             terminal.say(
@@ -115,12 +113,24 @@ def _wanted(options) -> dict:
 
 
 def _edge_length(options, reading):
-    from ...core.network.edge_length import estimate_edge_length
-
+    """The edge length in scene units, and in words where it is from."""
     if options.surface:
-        return mean_edge_length(*inputs.surface(options.surface))
-    known = options.edge_length or reading.edge_length
-    return known or estimate_edge_length(reading.curves, crossings=reading.crossings)
+        return mean_edge_length(*inputs.surface(options.surface)), f"mean edge of {Path(options.surface).name}"
+    if options.edge_length:
+        return options.edge_length, "as given"
+    if reading.edge_length:
+        return reading.edge_length, "mean edge of the scan"
+    installation.require_scipy()
+    from ...core.network.edge_length import estimate
+
+    found = estimate(reading.curves, crossings=reading.crossings)
+    if found.outline is not None:
+        said = f"coarse: taken for a drawing, a fiftieth of a typical outline, which measures {found.outline:.3g}"
+    elif found.spread is not None:
+        said = "coarse: the middle of segments that are {:.3g} to {:.3g} long".format(*found.spread)
+    else:
+        said = "estimated from the curves"
+    return found.length, f"{said}; --edge-length or --surface set it"
 
 
 def _joined(reading, tolerance):
@@ -128,23 +138,6 @@ def _joined(reading, tolerance):
     from ...core.files.joining import join
 
     return join(reading, tolerance)
-
-
-def _origin(options, reading):
-    if options.surface:
-        return f"mean edge of {Path(options.surface).name}"
-    if options.edge_length:
-        return "as given"
-    if reading.edge_length:
-        return "mean edge of the scan"
-    spread = None if reading.crossings else coarse_spread(reading.curves)
-    if spread is not None:
-        return (
-            "coarse: the middle of segments that are {:.3g} to {:.3g} long; --edge-length or --surface set it".format(
-                *spread
-            )
-        )
-    return "estimated from the curves; --edge-length or --surface set it"
 
 
 def _complete(curves, edge_length, parameters, terminal):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Coordinates that were rounded too coarsely, and estimates from the segments of drawings, are told from good ones."""
+"""Coordinates that were rounded too coarsely are told from good ones."""
 
 import numpy as np
 import pytest
@@ -40,17 +40,6 @@ def test_what_is_no_rounding(step):
     assert step(jitter) is None
     assert step(lambda points: 0 * points) is None
     assert step(lambda points: points[:, [2, 0, 1]]) is None
-
-
-def test_the_estimate_of_an_edge_length(part):
-    coarse, make = part("fcn_addon.coarse").coarse_spread, part("core.values").Curves.from_list
-    along = np.cumsum(np.random.default_rng(0).gamma(8, 0.05 / 8, 200))
-    scanned = [np.c_[along, np.sin(along), 0 * along]] * 3
-    window = np.array([(0, 0, 0), (1, 0, 0), (1, 0, 1.5), (0, 0, 1.5)], float)
-    arc = np.c_[np.cos(np.linspace(0, 3, 12)), np.zeros(12), np.sin(np.linspace(0, 3, 12))] / 3
-    assert coarse(make(scanned, [False] * 3)) is None
-    shortest, longest = coarse(make([window, arc, arc], [True, False, False]))
-    assert shortest == pytest.approx(2 / 3 * np.sin(3 / 22)) and longest == pytest.approx(1, rel=0.5)
 
 
 def test_the_command_says_it(part, bpy, capsys, bumps, tmp_path):

@@ -17,6 +17,7 @@ from .smoothing import Diffusion, corner_areas, corner_cotangents
 
 _TINY = 1e-300
 
+
 @dataclass(frozen=True)
 class Curvature:
     """Principal curvatures and directions with their derivatives along themselves, per vertex.

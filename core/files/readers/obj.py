@@ -4,14 +4,14 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 
 import numpy as np
 
 from ...errors import InputError, NoCurves
 from ..polygons import triangles_of_polygons
 from ..reading import Reading, lines_of_points
-from ..text import load_text, parse_numbers
+from ..text import blocks, load_text, parse_numbers
 
 FREE_FORM = {
     b"curv": ("free-form curves", "convert them to polylines"),
@@ -20,9 +20,30 @@ FREE_FORM = {
 """Statements that are not read, what they are and what to do."""
 
 
-@dataclass
+@dataclass(frozen=True)
 class _Statements:
-    """Statements of one keyword: their words without it, the line of each, and how many points stand before it."""
+    """Statements of one keyword: all their indices, and of each how many it has, its line and the points before it.
+
+    An index is as the file has it; what stands behind a slash is left out.
+    """
+
+    index: np.ndarray
+    lengths: np.ndarray
+    numbers: np.ndarray
+    before: np.ndarray
+
+    def __len__(self):
+        return len(self.lengths)
+
+    def where(self, kept):
+        """Those of the statements that are `kept`, (m,) bool."""
+        every = (self.lengths[kept], self.numbers[kept], self.before[kept])
+        return _Statements(self.index[np.repeat(kept, self.lengths)], *every)
+
+
+@dataclass
+class _Rows:
+    """Statements as words, of one block of text: what stands behind the keyword, the line, the points before it."""
 
     rows: list[bytes] = field(default_factory=list)
     numbers: list[int] = field(default_factory=list)
@@ -36,12 +57,9 @@ def read_obj(path) -> Reading:
     """
     points, found = _read(path, (b"l", b"f"))
     _refuse(path, found, b"curv")
-    lines = [found[b"l"]]
-    edges = _of_two(found[b"f"])
-    if edges.rows:
-        lines.append(edges)
-    if not any(s.rows for s in lines):
-        hint = "it holds a surface; give it with --surface" if found[b"f"].rows else "export edges or polylines"
+    lines = [found[b"l"], found[b"f"].where(found[b"f"].lengths == 2)]
+    if not any(map(len, lines)):
+        hint = "it holds a surface; give it with --surface" if len(found[b"f"]) else "export edges or polylines"
         raise NoCurves(f"{path}: no `l` lines, so no curves; {hint}")
     index, offsets = _indices(path, lines, len(points))
     return lines_of_points(path, points, index, offsets, named=np.diff(offsets) != 2)
@@ -50,8 +68,10 @@ def read_obj(path) -> Reading:
 def obj_content(path) -> tuple[bool, bool]:
     """Whether the file has faces, and whether it has lines or faces of two corners, which are edges."""
     data = load_text(path)
-    if b"\\" in data or b"\r" in data:
+    if b"\\" in data:
         data = b"\n".join(_continued(data))
+    elif b"\r" in data:
+        data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     face = re.search(rb"^[ \t]*f(?:[ \t]+[^\s#]+){3}", data, re.MULTILINE) is not None
     line = re.search(rb"^[ \t]*(?:l[ \t]|f(?:[ \t]+[^\s#]+){2}[ \t]*(?:#|$))", data, re.MULTILINE) is not None
     return face, line
@@ -61,46 +81,81 @@ def read_obj_surface(path):
     """Points (n, 3) float64 and triangles (m, 3) int64 of the `f` lines."""
     points, found = _read(path, (b"f",))
     _refuse(path, found, b"surf")
-    if not found[b"f"].rows:
+    if not len(found[b"f"]):
         raise InputError(f"{path}: no faces, so no surface; give the scan that the curves come from")
     index, offsets = _indices(path, [found[b"f"]], len(points))
     return points, triangles_of_polygons(points, index, offsets)
 
 
 def _refuse(path, found, word):
-    if found[word].rows:
+    if len(found[word]):
         what, remedy = FREE_FORM[word]
         raise InputError(
             f"{path}: line {found[word].numbers[0]}: {what} (`{word.decode()}`) are not read; {remedy} and export again"
         )
 
 
-def _of_two(statements) -> _Statements:
-    """The statements of two indices."""
-    rows = zip(statements.rows, statements.numbers, statements.before)
-    return _Statements(*map(list, zip(*(row for row in rows if len(row[0].split(None, 2)) == 2))))
-
-
 def _read(path, keywords):
-    """Points, and the statements of each keyword; those that are free-form are always among them."""
+    """Points, and the statements of each keyword; those that are free-form are always among them.
+
+    The text becomes numbers block by block, as words take many times its memory.
+    """
+    parts, count, number = [], 0, 0
+    found = {word: [] for word in (*keywords, *FREE_FORM)}
+    for block in blocks(load_text(path)):
+        lines = _continued(block)
+        rows = {word: _Rows() for word in found}
+        vertices, vertex_numbers = _sort(lines, number, count, rows)
+        if vertices:
+            parts.append(_points(path, vertices, vertex_numbers))
+            count += len(vertices)
+        number += len(lines)
+        for word, some in rows.items():
+            if some.rows:
+                found[word].append(_parsed(path, some, word in FREE_FORM))
+    if not count:
+        raise InputError(f"{path}: no `v` lines; this is not an OBJ file or it was cut off")
+    return np.concatenate(parts), {word: _whole(some) for word, some in found.items()}
+
+
+def _sort(lines, number, count, rows):
+    """Put the lines into `rows` of their keywords; those of points, and the numbers of these lines.
+
+    number, count : lines and points before these lines
+    """
     vertices, vertex_numbers = [], []
-    found = {word: _Statements() for word in (*keywords, *FREE_FORM)}
-    for number, line in enumerate(_continued(load_text(path)), 1):
+    for at, line in enumerate(lines, number + 1):
         if line[:1].isspace():
             line = line.lstrip()
         if line[:2] in (b"v ", b"v\t"):
             vertices.append(line)
-            vertex_numbers.append(number)
+            vertex_numbers.append(at)
             continue
-        statements = found.get(line[:5].split(None, 1)[0]) if line[:1] in (b"l", b"f", b"c", b"s") else None
-        if statements is not None:
+        some = rows.get(line[:5].split(None, 1)[0]) if line[:1] in (b"l", b"f", b"c", b"s") else None
+        if some is not None:
             words = line.split(b"#", 1)[0].split(None, 1)
-            statements.rows.append(words[1] if len(words) > 1 else b"")
-            statements.numbers.append(number)
-            statements.before.append(len(vertices))
-    if not vertices:
-        raise InputError(f"{path}: no `v` lines; this is not an OBJ file or it was cut off")
-    return _points(path, vertices, vertex_numbers), found
+            some.rows.append(words[1] if len(words) > 1 else b"")
+            some.numbers.append(at)
+            some.before.append(count + len(vertices))
+    return vertices, vertex_numbers
+
+
+def _parsed(path, some, is_refused) -> _Statements:
+    rows, numbers, before = some.rows, some.numbers, some.before
+    if is_refused:  # only where they stand is asked
+        rows = [b""] * len(rows)
+    if any(b"/" in row for row in rows):
+        rows = [b" ".join(word.split(b"/", 1)[0] for word in row.split()) for row in rows]
+    lengths = np.fromiter((len(row.split()) for row in rows), np.int32, len(rows))
+    index = parse_numbers(path, rows, numbers, int)
+    if len(index) and np.abs(index).max() < 2**31:
+        index = index.astype(np.int32)
+    return _Statements(index, lengths, np.array(numbers, np.int32), np.array(before, np.int32))
+
+
+def _whole(parts) -> _Statements:
+    none = np.zeros(0, np.int32)
+    return _Statements(*(np.concatenate([none, *(getattr(p, f.name) for p in parts)]) for f in fields(_Statements)))
 
 
 def _continued(data):
@@ -134,20 +189,21 @@ def _points(path, vertices, numbers):
 
 def _indices(path, parts, count):
     """Vertex indices from 0, (n,) int64, and the offsets of the statements, (m + 1,) int64."""
-    statements, numbers, before = (
-        [row for part in parts for row in getattr(part, name)] for name in ("rows", "numbers", "before")
+    lengths, numbers, before, raw = (
+        np.concatenate([getattr(part, name) for part in parts]) for name in ("lengths", "numbers", "before", "index")
     )
-    if any(b"/" in row for row in statements):
-        statements = [b" ".join(word.split(b"/", 1)[0] for word in row.split()) for row in statements]
-    lengths = np.fromiter((len(row.split()) for row in statements), np.int64, len(statements))
-    index = parse_numbers(path, statements, numbers, int)
     # A negative index counts back from the points that stand before its line.
-    index = np.where(index < 0, index + np.repeat(before, lengths), index - 1)
+    index = raw - np.int64(1)
+    back = np.flatnonzero(raw < 0)
+    if len(back):
+        index[back] = raw[back] + np.repeat(before, lengths)[back].astype(np.int64)
+    offsets = np.zeros(len(lengths) + 1, np.int64)
+    np.cumsum(lengths, out=offsets[1:])
     wrong = np.flatnonzero((index < 0) | (index >= count))
     if len(wrong):
-        statement = np.searchsorted(np.cumsum(lengths), wrong[0], side="right")
-        shown = statements[statement].split()[wrong[0] - (np.cumsum(lengths) - lengths)[statement]].decode()
+        statement = np.searchsorted(offsets, wrong[0], side="right") - 1
         raise InputError(
-            f"{path}: line {numbers[statement]}: index {shown} has no point, the file has {count}; was it cut off?"
+            f"{path}: line {numbers[statement]}: index {raw[wrong[0]]} has no point, the file has {count}; "
+            "was it cut off?"
         )
-    return index, np.r_[0, np.cumsum(lengths)].astype(np.int64)
+    return index, offsets

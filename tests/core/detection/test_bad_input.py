@@ -103,7 +103,7 @@ def test_six_faces_on_one_edge():
         angle = np.radians(40 * k)
         turn = np.array([[np.cos(angle), 0, -np.sin(angle)], [0, 1, 0], [np.sin(angle), 0, np.cos(angle)]])
         p = (v - line * [1, 0, 1]) @ turn.T
-        p[on] = (v[on] - line * [1, 0, 1])  # to the bit, so that they become one
+        p[on] = v[on] - line * [1, 0, 1]  # to the bit, so that they become one
         sheets.append(p)
         faces.append(f + k * len(v))
     mesh = TriangleMesh.of(np.concatenate(sheets), np.concatenate(faces))

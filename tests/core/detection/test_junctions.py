@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Ends that are led on to the line ahead of them."""
 
-
 import numpy as np
 import pytest
 

@@ -11,12 +11,12 @@ from core.drawing.overlay import Overlay, agreement
 
 
 def naive_scores(seen, p, q):
-    """Nats of each point: a loop over poses and points, the first sighting of a point not counted."""
+    """Nats of each point: a loop over poses and points, the first sighting of a point counted by half."""
     apart = min(APART, len(seen[0]))
     out = []
     for j in range(len(seen[0])):
         hits = sum(1 for row in seen if row[j])
-        evidence = max(hits - 1, 0) * np.log(p / q) + (len(seen) - hits) * np.log((1 - p) / (1 - q))
+        evidence = (hits - 0.5 * (hits > 0)) * np.log(p / q) + (len(seen) - hits) * np.log((1 - p) / (1 - q))
         out.append(evidence / apart)
     return out
 

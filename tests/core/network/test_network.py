@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from core.errors import InputError
 from core.network.building import build_network
-from core.network.edge_length import estimate_edge_length
+from core.network.edge_length import estimate, estimate_edge_length
 from core.values import Curves
 from tests import naive
 from tests.core import shapes
@@ -131,6 +131,73 @@ def test_the_edge_length_is_estimated():
     assert estimate_edge_length(Curves.from_list(curves)) == pytest.approx(0.02)
     doubled = Curves.from_list([np.repeat(c, 3, axis=0) for c in curves])
     assert estimate_edge_length(doubled) == pytest.approx(0.02), "points that are given twice do not count"
+
+
+def drawn(count=5, arc=12):
+    """Polylines of a row of windows from corner to corner; the frames are 1.2 by 1.8, the arches 0.8 wide."""
+    t = np.linspace(0, np.pi, arc + 1)
+    frame = np.array([(0, 0, 0), (1.2, 0, 0), (1.2, 0, 1.8), (0, 0, 1.8), (0, 0, 0)])
+    inner = np.array([(0.2, 0, 0.2), (0.2, 0, 1.2), *np.c_[0.6 - 0.4 * np.cos(t), 0 * t, 1.2 + 0.4 * np.sin(t)][1:]])
+    cornice = np.array([(-1, 0, 2.5), (2.2 * count, 0, 2.5)])
+    return [line + [2.2 * i, 0, 0] for i in range(count) for line in (frame, inner)] + [cornice]
+
+
+def single_lines(curves):
+    return [np.stack(pair) for c in curves for pair in zip(c[:-1], c[1:])]
+
+
+@pytest.mark.parametrize("arc", [9, 12])
+def test_of_a_drawing_it_is_a_share_of_the_outlines(arc):
+    found = estimate(Curves.from_list(drawn(arc=arc)))
+    # five frames, five smaller lines within them, and the cornice: the frame is in the middle
+    assert found.outline == pytest.approx(np.hypot(1.2, 1.8)) and found.length == pytest.approx(found.outline / 50)
+    assert found.spread[1] > 4 * found.spread[0]
+
+
+def test_arcs_of_short_chords_keep_them():
+    found = estimate(Curves.from_list(drawn(arc=36)))
+    chord = 0.8 * np.sin(np.pi / 72)
+    assert found.outline is None and found.length == pytest.approx(chord) and found.spread[0] == pytest.approx(chord)
+
+
+def test_it_does_not_depend_on_how_a_drawing_is_written_or_stands(rng):
+    curves = drawn()
+    wanted = estimate(Curves.from_list(curves)).length
+    assert estimate(Curves.from_list(single_lines(curves))).length == pytest.approx(wanted)
+    assert estimate(Curves.from_list([c[::-1] for c in curves[::-1]])).length == pytest.approx(wanted, rel=0.1)
+    m = shapes.random_motion(rng)
+    assert estimate(Curves.from_list([1000 * naive.moved(m, c) for c in curves])).length == pytest.approx(1000 * wanted)
+    far = Curves.from_list([c + [4e5, 5e6, 0] for c in single_lines(curves)])
+    assert estimate(far).length == pytest.approx(wanted, rel=1e-3)
+
+
+def test_equal_lines_are_a_drawing_too_and_lines_that_meet_in_cells_as_well():
+    square = np.array([(0, 0, 0), (1, 0, 0), (1, 0, 1), (0, 0, 1), (0, 0, 0)], float)
+    found = estimate(Curves.from_list([square + [2 * i, 0, 0] for i in range(6)]))
+    assert found.outline == pytest.approx(np.sqrt(2)) and found.length == pytest.approx(np.sqrt(2) / 50)
+    cells = [np.array([(i, 0, j), (i + 1, 0, j)], float) for i in range(9) for j in range(4)]
+    cells += [np.array([(i, 0, j), (i, 0, j + 1)], float) for i in range(10) for j in range(3)]
+    assert estimate(Curves.from_list(cells)).length == pytest.approx(1 / 50)
+
+
+def test_scans_and_fine_polylines_keep_their_median_segment(rng):
+    along = np.cumsum(rng.gamma(8, 0.05 / 8, 200))
+    scanned = [np.c_[along, np.sin(along), 0 * along]] * 3
+    found = estimate(Curves.from_list(scanned))
+    assert found.outline is found.spread is None
+    assert found.length == pytest.approx(np.median(np.linalg.norm(np.diff(scanned[0], axis=0), axis=1)))
+    assert estimate(Curves.from_list(single_lines(scanned))).length == pytest.approx(found.length)
+    # decimated: long and short edges, but many of them on each curve
+    uneven = np.cumsum(rng.choice([0.01, 0.02, 0.2], 400))
+    found = estimate(Curves.from_list([np.c_[uneven, 0 * uneven, 0 * uneven]]))
+    assert found.outline is None and found.length == pytest.approx(0.02) and found.spread is not None
+
+
+def test_a_drawing_of_dots_gets_no_more_samples_than_can_be_used(rng):
+    dots = [np.array([p, p + [0.001, 0, 0]]) for p in rng.uniform(0, 100, (50, 3))]
+    lines = [np.array([(0, 0, 5 * i), (100, 0, 5 * i)], float) for i in range(20)]
+    curves = Curves.from_list(dots + lines)
+    assert 2000 / estimate(curves).length == pytest.approx(50_000, rel=0.01)
 
 
 def test_crossings_of_triangles_give_their_edge_length(rng):
