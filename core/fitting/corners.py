@@ -6,7 +6,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from scipy.spatial import cKDTree
 
+from . import shapes
 from .breakpoints import NUMBERS
 from .chain import Chain, distances, first_chain, fit_chain
 from .costs import LEAST
@@ -26,6 +28,21 @@ def allowed(samples: Samples, chain: Chain, blur: float) -> np.ndarray:
     for a, b in chain.ranges:
         owned[a:b] = True
     return np.where(owned, samples.bound, max(samples.bound, ROUNDED * blur))
+
+
+STRAY = 1.5
+"""How far a corner may lie from what smoothing left of it, in `blur`: a right angle is rounded by 0.56 of it."""
+
+
+def strays(samples: Samples, chain: Chain, blur: float) -> np.ndarray:
+    """(k,) bool, pieces that go where no sample is, as lines do that meet far behind a narrow turn."""
+    tree = cKDTree(samples.points)
+    limit = max(2 * samples.bound, STRAY * blur) + 1.5 * samples.spacing
+    out = np.zeros(len(chain.kinds), bool)
+    for i, (kind, (a, b)) in enumerate(zip(chain.kinds, chain.ranges)):
+        points = shapes.at(kind, chain.row(i), np.linspace(0, 1, max(33, 2 * int(b - a))))
+        out[i] = tree.query(points)[0].max() > limit
+    return out
 
 
 def gathered(samples, pieces, longest):

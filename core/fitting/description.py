@@ -9,7 +9,7 @@ import numpy as np
 
 from .breakpoints import NUMBERS, find_pieces
 from .chain import Chain, distances, first_chain
-from .corners import GENTLE, SHORT, allowed, dimension, fitted, gathered, part, sharpened, turned
+from .corners import GENTLE, SHORT, allowed, dimension, fitted, gathered, part, sharpened, strays, turned
 from .costs import LEAST, Moments, arc_cost, cubic_cost, line_cost
 from .samples import Samples
 
@@ -25,7 +25,7 @@ def describe(samples: Samples, *, blur: float = 0.0) -> tuple[Samples, Chain | N
     pieces = find_pieces(samples.points, variance=samples.variance, dimension=dimension(samples))
     if blur > 0:
         found, chain = _chain(*gathered(samples, pieces, SHORT * blur), blur)
-        if chain is not None and not _off(found, chain, blur).any():
+        if chain is not None and not _off(found, chain, blur).any() and not strays(found, chain, blur).any():
             return found, chain
     kinds, knots = pieces.kinds, pieces.knots
     for finer in (1, 4, 16, 64):
@@ -33,6 +33,8 @@ def describe(samples: Samples, *, blur: float = 0.0) -> tuple[Samples, Chain | N
         if chain is None:
             break
         off = _off(found, chain, 0.0)
+        for a, b in chain.ranges[strays(found, chain, 0.0)]:
+            off[a:b] = True
         if not off.any():
             return found, chain
         samples, chain = found, replace(chain, tangent=np.zeros_like(chain.tangent))

@@ -11,7 +11,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from .chain import Chain, distances, fit_chain
-from .corners import GENTLE, allowed
+from .corners import GENTLE, allowed, strays
 from .description import cost, describe, from_corner
 from .primitives import Circle, Line
 from .samples import Samples, make_samples
@@ -230,7 +230,7 @@ def _held(drawn: _Drawn, ends: dict, blur) -> _Drawn:
         joints[joint], held[joint] = (place - samples.origin) @ samples.axes.T, True
     fitted = fit_chain(samples.points, replace(chain, joints=joints), variance=samples.variance, held=held)
     off = samples.off(distances(samples.points, fitted)) > allowed(samples, fitted, blur)
-    return drawn if off.any() else replace(drawn, chain=fitted, ends=ends)
+    return drawn if off.any() or strays(samples, fitted, blur).any() else replace(drawn, chain=fitted, ends=ends)
 
 
 def _world(samples, point):

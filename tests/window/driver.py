@@ -191,7 +191,10 @@ class Driver:
         """Open the sidebar at a tab; a generator."""
         self.area.spaces.active.show_region_ui = True
         yield 0.4
-        self.region("UI").active_panel_category = category
+        region = self.region("UI")
+        region.active_panel_category = category
+        region.tag_redraw()
+        self.move(region.x + 60, region.y + region.height // 2)
         yield 0.4
 
     def picture(self, name):

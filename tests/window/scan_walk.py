@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """From a scan of yours to an edited drawing, with the clicks and the seconds that it takes.
 
-By hand: `SCAN=path/in/the/tree.ply .ci/real_blender bash .ci/in_window out/pictures scan_walk`.
+By hand: `LIMIT=3000 SCAN=path/in/the/tree.ply .ci/real_blender bash .ci/in_window out/pictures scan_walk`.
 """
 
 import os

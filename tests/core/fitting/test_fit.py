@@ -232,3 +232,27 @@ def test_an_end_that_is_further_away_than_the_noise_stays_where_it_is():
     alone = fit_curve(curves[1], sigma=0.01)
     _, together = fit_curves(curves, [False] * 2, sigma=0.01)
     assert together.primitives[0].start.tolist() == alone.primitives[0].start.tolist()
+
+
+def hairpin(lean, gap=0.15, height=3.0, step=0.05):
+    """Up one side, around a narrow turn, and down the other, which leans towards the first by so many radians."""
+    up = np.linspace([0, 0, 0], [0, height, 0], int(height / step))
+    top = up[-1] + [gap, 0, 0]
+    angle = np.linspace(np.pi, 0, 8)[1:-1]
+    turn = up[-1] + [gap / 2, 0, 0] + gap / 2 * np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
+    down = top + np.linspace(0, height, int(height / step))[:, None] * [np.sin(lean), -np.cos(lean), 0]
+    return np.concatenate([up, turn, down])
+
+
+@pytest.mark.parametrize("lean", [-0.08, -0.03, 0.0, 0.03, 0.08])
+@pytest.mark.parametrize("sigma", [0.003, 0.01])
+@pytest.mark.parametrize("closed", [False, True])
+def test_no_piece_goes_where_no_sample_is(lean, sigma, closed):
+    points, blur = drawings.noisy(hairpin(lean), sigma, 4), 0.15
+    fitted = fit_curve(points, closed, sigma=sigma, blur=blur)
+    path = dense(fitted.primitives, 0.01, closed)
+    ring = np.concatenate([points, points[:1]]) if closed else points
+    t = np.linspace(0, 1, 20)[:, None, None]
+    line = ((1 - t) * ring[:-1] + t * ring[1:]).reshape(-1, 3)
+    assert cKDTree(line).query(path)[0].max() < 1.5 * blur + 0.1
+    assert fitted.deviation <= fitted.noise
