@@ -19,6 +19,7 @@ from scipy.special import gammaln
 
 from ..geometry.motions import apply
 from .evidence import (
+    APART,
     LEAST_CHANCE,
     LEAST_SHOWN,
     RIVAL,
@@ -48,6 +49,10 @@ six windows that lacks its sill has a sill; what half of them lack is another ki
 
 SPREAD = 5.0
 """Edge lengths by which poses must spread in a direction to lie on sides of it (tolerance)."""
+
+
+STUB = 1.0
+"""Nats that a curve must have that is a single observation in each pose, wherever it is."""
 
 
 @dataclass(frozen=True)
@@ -124,7 +129,7 @@ class _Near:
     def price(self, curve, least, join):
         """Nats that a curve must have: none where it touches what is known, `least` at `join`, more beyond."""
         gap = self.tree.query(curve)[0].min()
-        return least * gap / join
+        return max(STUB if len(curve) < APART else 0.0, least * gap / join)
 
     def add(self, curves):
         self.more += curves

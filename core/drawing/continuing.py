@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from ..consolidation.joining import linked_paths
 from ..geometry.polylines import resample_polyline, smooth_polyline
@@ -19,6 +20,9 @@ from .overlay import Overlay
 
 MEETING, AROUND = 3.0, 20
 """Tolerances: edge lengths between the ends of a curve that is a ring, and points that a ring has at least."""
+
+TWICE = 1.0
+"""Tolerance: edge lengths from another curve within which the same curve is drawn twice."""
 
 GAP, FEW = 14.0, 5
 """Tolerance: longest gap that is joined before evidence is asked; bound on the work: poses of a thing up to which
@@ -57,6 +61,20 @@ def closed_up(chosen: Chosen) -> Chosen:
         for c, ring in zip(chosen.curves, chosen.closed)
     ]
     return replace(chosen, closed=rings)
+
+
+def drawn_once(chosen: Chosen) -> Chosen:
+    """The curves without those that lie on longer ones of the same poses."""
+    order = sorted(range(len(chosen.curves)), key=lambda i: (-len(chosen.curves[i]), i))
+    kept = []
+    for i in order:
+        over = [k for k in kept if (chosen.sets[k] | ~chosen.sets[i]).all()]
+        if over:
+            tree = cKDTree(np.concatenate([chosen.curves[k] for k in over]))
+            if np.isfinite(tree.query(chosen.curves[i], distance_upper_bound=TWICE)[0]).all():
+                continue
+        kept.append(i)
+    return chosen.part(sorted(kept))
 
 
 def explained_items(chosen, found, overlay):

@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 from ..network.network import CurveNetwork
 from .choosing import Chosen, choose, connected, halves_of, merged, trimmed
 from .consensus import candidate_curves
-from .continuing import closed_up, continued, explained_items, free_runs
+from .continuing import closed_up, continued, drawn_once, explained_items, free_runs
 from .evidence import LEAST_SHOWN, MOST_SHOWN, chances, seen_by, sightings
 from .fitting import fitted_curves, own_evidence, refined_poses
 from .overlay import gather
@@ -75,7 +75,7 @@ class Drawer:
             chosen, poses = self._fitted(merged(chosen, more), poses)
         overlay = self._around(chosen, poses)
         chosen = continued(chosen, sightings(chosen.curves, overlay, radius=self.radius), overlay)
-        chosen = closed_up(self._trimmed(chosen, poses))
+        chosen = drawn_once(closed_up(self._trimmed(chosen, poses)))
         if not chosen.curves:
             return None
         return Drawing(*self._fitted(chosen, poses), kept)

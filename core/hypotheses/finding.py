@@ -82,15 +82,15 @@ def find_things(field: Field, seeds: Seeds, *, significance, tick=lambda: None, 
 
 
 def _cells_put_right(field, thing, expected, seeds, taken, significance, tick):
-    """The thing and its E-value, or those of what it is two of, or half of."""
-    for other in (split(field, thing, seeds, taken, tick), merged(field, thing, taken)):
+    """The thing and its E-value, or those of what it is two of, and of what it is half of."""
+    for step in (lambda t: split(field, t, seeds, taken, tick), lambda t: merged(field, t, taken)):
+        other = step(thing)
         tick()
-        if other is thing:
-            continue
-        other = evident(field, other)
-        other_expected = expected_by_chance(field, other)
-        if len(other) >= 2 and other_expected <= significance:
-            return other, other_expected
+        if other is not thing:
+            other = evident(field, other)
+            chance = expected_by_chance(field, other)
+            if len(other) >= 2 and chance <= significance:
+                thing, expected = other, chance
     return thing, expected
 
 

@@ -16,14 +16,15 @@ from .hypothesis import Hypothesis, distinct
 TURNS = 24
 """Turns about each main axis that are tried; count."""
 
-SYMMETRIC, ROUGHLY = 0.75, 0.6
+SYMMETRIC, ROUGHLY = 0.6, 0.5
 """Share of the curves that a symmetry takes onto themselves, within 3 and, at first, within 6 edge lengths."""
 
 AROUND, FEWEST = 40.0, 30
 """Edge lengths about a thing that tell, and fewest samples there."""
 
-BETTER = 8
-"""Samples by which another way round must show more: two observations of curve each in four directions."""
+BETTER, TURNED = 8, 0.5
+"""Samples by which a way round shows more: two observations of curve each in four directions; and by how much the trace
+of the turn from pose to pose must grow where two ways show as much (tolerance: a turn by 40 degrees)."""
 
 
 def symmetries(thing: Hypothesis):
@@ -63,7 +64,8 @@ def symmetries(thing: Hypothesis):
 
 
 def oriented(field: Field, thing: Hypothesis, taken) -> Hypothesis:
-    """The thing with each pose turned the way that carries what is around the best pose; itself where none turns."""
+    """The thing with each pose turned the way that carries what is around the best pose, and of ways that carry as much
+    the one that is turned least from the pose beside; itself where none turns."""
     ways = symmetries(thing)
     if len(ways) < 2:
         return thing
@@ -85,13 +87,21 @@ def oriented(field: Field, thing: Hypothesis, taken) -> Hypothesis:
     weight = len(sample) / len(around)
     centres = thing.centres()
     poses, changed = thing.poses.copy(), False
-    for k in np.flatnonzero(np.arange(len(thing)) != best):
+    done, left = [best], [k for k in range(len(thing)) if k != best]
+    while left:
+        # From pose to pose, so that ways that show as much are told by the pose beside.
+        gap = np.linalg.norm(centres[left][:, None] - centres[done][None], axis=2)
+        k, beside = np.unravel_index(gap.argmin(), gap.shape)
+        k, beside = left.pop(k), done[beside]
+        done.append(k)
         tries = align(field, poses[k] @ ways, around, radii=(4.0, 2.5, 2.0))
         shown = field.targets(tries, around)
         mine = np.append(np.flatnonzero(np.linalg.norm(centres - centres[k], axis=1) < 10), -1)
         count = ((shown >= 0) & np.isin(label[shown], mine)).sum(axis=1) * weight
-        way = int(count.argmax())
-        if way and count[way] > count[0] + BETTER:
+        like = np.einsum("wij,ij->w", tries[:, :3, :3], poses[beside, :3, :3])
+        like[count < count.max() - BETTER] = -np.inf
+        way = int(like.argmax())
+        if way and like[way] > like[0] + TURNED:
             poses[k], changed = tries[way], True
     return replace(thing, poses=poses) if changed else thing
 
