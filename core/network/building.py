@@ -128,5 +128,8 @@ def _tangents(points, offsets, closed, curve_of):
     size = np.linalg.norm(step, axis=1)
     gap_before = np.linalg.norm(points - points[before], axis=1)
     gap_after = np.linalg.norm(points[after] - points, axis=1)
-    tangents = step / np.maximum(size, 1e-12)[:, None]
-    return tangents, (gap_before + gap_after) / 2
+    # A loop of two samples, and a curve that folds back onto itself, have the way to the next sample as their tangent.
+    for other in (points[after] - points, points - points[before], np.array([[1.0, 0, 0]])):
+        step = np.where((size > 1e-9)[:, None], step, other)
+        size = np.linalg.norm(step, axis=1)
+    return step / size[:, None], (gap_before + gap_after) / 2

@@ -258,3 +258,12 @@ def test_the_input_is_not_modified(rng):
     for array in (given_.points, given_.offsets, given_.closed, given_.strength, given_.source):
         array.flags.writeable = False
     build_network(given_, edge_length=1.0)
+
+
+def test_every_tangent_is_a_direction():
+    """Also in tiny loops, and where a curve goes back the way it came."""
+    loop = np.array([[0, 0, 0], [0.9, 0.1, 0], [0, 0, 0]])
+    spike = np.concatenate([np.linspace([0, 5, 0], [9, 5, 0], 10), np.linspace([8, 5, 0], [0, 5, 0], 9)])
+    long = np.linspace([0, 10, 0], [40, 10, 0], 41)
+    net = build_network(Curves.from_list([loop, spike, long, loop * 0.3 + 3]), edge_length=1.0, smoothing=0.0)
+    assert np.allclose(np.linalg.norm(net.tangents, axis=1), 1)
