@@ -12,11 +12,14 @@ from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
 
 from ..network.network import CurveNetwork
-from ..support import FACING
 from .nearest import NearestTable
 
 COSINE = 0.8
 """Least cosine between the tangent of a moved point and that of the sample that shows it (tolerance)."""
+
+FACING = 0.7
+"""Least cosine between the normals of the surface at a sample and at its image (tolerance). Noise turns them by 20
+degrees; the inner and the outer side of a moulding, which runs beside itself, lie farther apart."""
 
 REACH = 6.0
 """Largest distance at which a sample is looked up, edge lengths (bounds the table)."""
