@@ -47,7 +47,8 @@ class Stretches:
         pa = np.take(t.unrolled, from_a[:, None] + k, axis=0, mode="clip")
         pa *= inside[:, :, None]
         pb = np.take(t.unrolled, from_b[:, None] + d[:, None] * k, axis=0, mode="clip")
-        return sums_a[:, :3], sums_b[:, :3], np.swapaxes(pb, 1, 2) @ pa, sums_a[:, 3], sums_b[:, 3]
+        # Not a matrix product: that adds up in an order that depends on how long the longest of these is.
+        return sums_a[:, :3], sums_b[:, :3], np.einsum("kni,knj->kij", pb, pa), sums_a[:, 3], sums_b[:, 3]
 
     def _residual(self, n, sum_a, sum_b, sum_ba, square_a, square_b):
         """RMS distance under the best motion of sums over n samples."""
