@@ -63,7 +63,7 @@ def _complete(curves, edge_length, p, clock):
         model = select_model(field, things, l0=p.l0, t=p.t, bayes_ratio=p.bayes_ratio, tick=clock.tick)
         orbits = [describe(thing) for thing in model.things]
     with clock.stage("completion"):
-        drafts = draw(network, model.things, p, tick=clock.tick)
+        drafts = draw(network, model.things, p, orbits=orbits, tick=clock.tick)
         completion = build_completion(network, model, orbits, drafts, len(curves), p, tick=clock.tick)
     completion.seconds.update(clock.seconds)
     completion.work.update(work, seeds=len(seeds), matches_left_out=left_out, transformations=len(things))

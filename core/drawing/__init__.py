@@ -17,7 +17,7 @@ from ..network.network import CurveNetwork
 from .thing import Drawer, Drawing
 
 
-def draw(network: CurveNetwork, things, parameters, *, tick=None) -> list[Draft]:
+def draw(network: CurveNetwork, things, parameters, *, orbits=None, tick=None) -> list[Draft]:
     """Clean curves of things.
 
     Parameters
@@ -25,6 +25,7 @@ def draw(network: CurveNetwork, things, parameters, *, tick=None) -> list[Draft]
     things : objects with `points` (m, 3) and `tangents` (m, 3), a part of the thing in a frame of its own, and `poses`
         (k, 4, 4), rigid, frame to network, det +1 or -1, all in edge lengths; the surest first
     parameters : Parameters
+    orbits : the Orbit of each thing (list), or None: its poses then stand each for itself
     tick : called now and then; may raise Cancelled, which is passed on
 
     Returns
@@ -43,7 +44,10 @@ def draw(network: CurveNetwork, things, parameters, *, tick=None) -> list[Draft]
         for later in cores[k + 1 :]:
             # All things claim their cores before any is drawn.
             mine &= ~later | cores[k]
-        drawing = Drawer(network, mine, parameters, tick).draw(np.asarray(thing.points), np.asarray(thing.poses))
+        predicted = None if orbits is None or orbits[k].kind == "single" else orbits[k].fits
+        drawing = Drawer(network, mine, parameters, tick).draw(
+            np.asarray(thing.points), np.asarray(thing.poses), predicted
+        )
         if drawing is None:
             continue
         for draft in _drafts(network, drawing, k, mine, radius):

@@ -23,6 +23,9 @@ LENIENT = 0.4
 SINGLE, ANOTHER = 150, 1.4
 """Bound on the work: curves of single poses that are looked at; and poses that must show one, its own included."""
 
+PREDICTED = 2.3
+"""Nats that speak for a pose that an orbit predicts: at one cell of ten the thing is not there."""
+
 CORE = 4.0
 """Tolerance: edge lengths from the core within which a candidate tells how much a pose shows."""
 
@@ -47,8 +50,12 @@ class Drawer:
         self.least = -np.log(parameters.significance)
         self.how = {"least": self.least, "join": self.join, "radius": self.radius}
 
-    def draw(self, points, poses, rounds=2, passes=2) -> Drawing | None:
-        """The curves of a thing, given points (m, 3) of it and poses (k, 4, 4); None where nothing is left of it."""
+    def draw(self, points, poses, predicted=None, rounds=2, passes=2) -> Drawing | None:
+        """The curves of a thing, given points (m, 3) of it and poses (k, 4, 4); None where nothing is left of it.
+
+        predicted : (k,) bool, poses that an orbit predicts; None for none
+        """
+        predicted = np.zeros(len(poses), bool) if predicted is None else predicted
         region, kept = points, np.arange(len(poses))
         poses = poses.copy()
         chosen = None
@@ -59,7 +66,7 @@ class Drawer:
             poses = refined_poses(
                 self.network, chosen.curves, poses, self.free, radius=2 * self.epsilon, sets=chosen.sets
             )
-            chosen, good = self._paying(chosen, poses)
+            chosen, good = self._paying(chosen, poses, predicted[kept])
             kept, poses = kept[good], poses[good]
             if not chosen.curves or len(poses) < 2:
                 return None
@@ -116,7 +123,7 @@ class Drawer:
         seen = seen_by(sightings(mine, overlay, radius=self.radius), overlay)
         return float(np.clip(seen.mean(), LEAST_SHOWN, MOST_SHOWN))
 
-    def _paying(self, chosen: Chosen, poses):
+    def _paying(self, chosen: Chosen, poses, predicted):
         """The curves at the poses that show enough of their own, and which poses (k,) bool these are."""
         overlay = self._around(chosen, poses)
         found = sightings(chosen.curves, overlay, radius=self.radius)
@@ -124,7 +131,7 @@ class Drawer:
         q = np.minimum(chances(chosen.curves, overlay, radius=self.radius), 0.9 * p)
         # The more of the thing a pose lacks, the more must what it has speak for it.
         size = np.diff(found.offsets)
-        price = self.least * (1 - 1.5 * (size @ chosen.sets) / size.sum())
+        price = self.least * (1 - 1.5 * (size @ chosen.sets) / size.sum()) - PREDICTED * predicted
         good = own_evidence(found, overlay, chosen.sets, p, q) > price
         sets = chosen.sets[:, good]
         use = np.flatnonzero(sets.sum(axis=1) >= 2)
