@@ -71,11 +71,11 @@ def fitted_curves(curves, closed, sets, overlay: Overlay, *, radius, tick=None):
     )
 
 
-def own_evidence(found, overlay: Overlay, sets, p, q):
+def own_evidence(found, overlay: Overlay, sets, p, q, predicted=None):
     """(k,) float64, nats that speak for each pose: what it shows that no stronger pose explains.
 
     found : sightings of the curves in the overlay; sets : (c, k) bool; p, q (c,) : chance to be seen where a curve is
-    and where it is not
+    and where it is not; predicted : (k,) bool, poses of an orbit, which explain their samples before the others
     """
     size = np.diff(found.offsets)
     curve = np.repeat(np.arange(len(size)), size)
@@ -92,7 +92,8 @@ def own_evidence(found, overlay: Overlay, sets, p, q):
     alone = np.array([worth(k, rows[k]) for k in range(overlay.cells)])
     taken = np.zeros(int(overlay.sample.max(initial=-1)) + 1, bool)
     out = np.zeros(overlay.cells)
-    for k in np.argsort(-alone, kind="stable"):
+    later = np.zeros(overlay.cells, bool) if predicted is None else ~predicted
+    for k in np.lexsort((-alone, later)):
         out[k] = worth(k, rows[k][~taken[sample[rows[k]]]])
         taken[sample[rows[k]]] = True
     return out

@@ -132,7 +132,7 @@ class Drawer:
         # The more of the thing a pose lacks, the more must what it has speak for it.
         size = np.diff(found.offsets)
         price = self.least * (1 - 1.5 * (size @ chosen.sets) / size.sum()) - PREDICTED * predicted
-        good = own_evidence(found, overlay, chosen.sets, p, q) > price
+        good = own_evidence(found, overlay, chosen.sets, p, q, predicted) > price
         sets = chosen.sets[:, good]
         use = np.flatnonzero(sets.sum(axis=1) >= 2)
         return Chosen(chosen.curves, chosen.closed, sets, chosen.scores).part(use), good
