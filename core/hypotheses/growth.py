@@ -147,6 +147,13 @@ def accepted(field, thing, poses, cost, owned):
     return replace(thing, poses=np.concatenate(known), scores=np.concatenate(scores), cost=np.concatenate(costs))
 
 
+def posed(thing: Hypothesis, poses) -> Hypothesis:
+    """The thing at other poses (k, 4, 4), all but the first at the least price; they are not scored yet."""
+    cost = np.full(len(poses), ORBIT_POSE)
+    cost[0] = 0.0
+    return replace(thing, poses=poses, scores=np.zeros(len(poses)), cost=cost)
+
+
 def prominence(field, thing, poses, owned):
     """(k,) float64, by how much poses (k, 4, 4) beat their own shifts."""
     wrong = decoys(poses, thing.points.mean(axis=0), thing.tangents)[:, :SHIFTS]

@@ -17,7 +17,7 @@ from ..evidence.odds import LEAST_CHANCE
 from ..geometry.motions import inverse
 from ..transformations.description import describe
 from .extent import chance_of, extended, spread
-from .growth import ORBIT_POSE, SAME_POSE, rescored
+from .growth import SAME_POSE, posed, rescored
 from .hypothesis import SPACING, Hypothesis
 
 MEET, CONTACTS = 3.0, 2
@@ -50,10 +50,7 @@ def merged(field: Field, thing: Hypothesis, taken) -> Hypothesis:
     ways = np.stack([thing.poses[alone], thing.poses[alone] @ inverse(inner)], axis=1)
     shown = (field.targets(ways.reshape(-1, 4, 4), probe) >= 0).mean(axis=1).reshape(-1, 2)
     single = ways[np.arange(len(alone)), shown.argmax(axis=1)]
-    poses = np.concatenate([thing.poses[first], single])
-    cost = np.full(len(poses), ORBIT_POSE)
-    cost[0] = 0.0
-    out = replace(thing, probe=probe, chance=chance, poses=poses, scores=np.zeros(len(poses)), cost=cost)
+    out = posed(replace(thing, probe=probe, chance=chance), np.concatenate([thing.poses[first], single]))
     for reach in (0.0, REACH):
         if reach:
             out = extended(field, out, taken, reach=reach)

@@ -158,8 +158,8 @@ def _of_lines(points, shown):
         same &= np.abs(along) < reach
         if reach == FITTED:
             # Tangents are noisy: the line is that of the points around.
-            spread_ = np.einsum("ij,ijk,ijl->ikl", same.astype(float), gap, gap) + np.einsum("ik,il->ikl", line, line)
-            line = np.linalg.eigh(spread_)[1][:, :, 2]
+            scatter = np.einsum("ij,ijk,ijl->ikl", same.astype(float), gap, gap) + np.einsum("ik,il->ikl", line, line)
+            line = np.linalg.eigh(scatter)[1][:, :, 2]
     return np.minimum(1.0, STRAIGHT / (SPACING * np.maximum(same.sum(axis=1), 1)))
 
 

@@ -17,7 +17,7 @@ from ..evidence.field import Field
 from ..geometry.motions import inverse
 from ..transformations.description import saving
 from .extent import extended
-from .growth import ORBIT_POSE, rescored, with_more_poses
+from .growth import posed, rescored, with_more_poses
 from .hypothesis import Hypothesis, distinct, relative
 from .seeding import Seeds
 
@@ -87,10 +87,7 @@ def _halved(field, thing, motion, seeds, taken):
         return None
     part = replace(thing, probe=thing.probe.take(inside), chance=thing.chance[inside])
     poses = np.concatenate([thing.poses, thing.poses @ motion])
-    poses = poses[np.sort(distinct(part, poses, -np.arange(len(poses)), gap=6.0))]
-    cost = np.full(len(poses), ORBIT_POSE)
-    cost[0] = 0.0
-    part = replace(part, poses=poses, scores=np.zeros(len(poses)), cost=cost)
+    part = posed(part, poses[np.sort(distinct(part, poses, -np.arange(len(poses)), gap=6.0))])
     for reach in (0.0, 15.0, 30.0, 60.0):
         if reach:
             part = extended(field, part, taken, reach=reach)
