@@ -263,7 +263,7 @@ def test_a_run_is_watched_and_stopped(bpy, part, slow):
     wait(slow, session)
     time.sleep(0.05)
     assert session.tick() or slow.shown
-    assert slow.shown[1] == "Growing what recurs" and 0 <= slow.shown[2] < 0.6 and slow.shown[3] > 0
+    assert slow.shown[1] == "Growing what recurs" and 0 < slow.shown[2] < 0.6 and slow.shown[3] > 0
     with pytest.raises(RuntimeError, match="under way"):
         bpy.ops.fcn.complete()
     assert bpy.ops.fcn.cancel() == {"FINISHED"}
