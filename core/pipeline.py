@@ -17,7 +17,7 @@ from .hypotheses.seeding import find_seeds
 from .matching.blast import feature_blast
 from .matching.strong import strong_curves
 from .model.selection import select_model
-from .network.building import build_network
+from .network.building import build_network, faithful_smoothing
 from .network.edge_length import estimate_edge_length
 from .parameters import Parameters
 from .stages import Clock
@@ -63,6 +63,8 @@ def _complete(curves, edge_length, p, clock):
         model = select_model(field, things, l0=p.l0, t=p.t, bayes_ratio=p.bayes_ratio, tick=clock.tick)
         orbits = [describe(thing) for thing in model.things]
     with clock.stage("completion"):
+        faithful = faithful_smoothing(curves, edge_length=edge_length, most=p.smoothing)
+        network = build_network(curves, edge_length=edge_length, smoothing=faithful)
         drafts = draw(network, model.things, p, orbits=orbits, tick=clock.tick)
         completion = build_completion(network, model, orbits, drafts, len(curves), p, tick=clock.tick)
     completion.seconds.update(clock.seconds)

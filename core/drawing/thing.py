@@ -15,7 +15,7 @@ from .continuing import closed_up, continued, drawn_once, explained_items, free_
 from .evidence import LEAST_SHOWN, MOST_SHOWN, chances, seen_by, sightings
 from .fitting import fitted_curves, own_evidence, refined_poses
 from .overlay import gather
-from .sliding import relative_motions, slides
+from .sliding import Ways, relative_motions
 
 LENIENT = 0.4
 """Tolerance: share of chance up to which candidates are proposed in what is left; evidence decides about them."""
@@ -82,6 +82,10 @@ class Drawer:
             chosen, poses = self._fitted(merged(chosen, more), poses)
         overlay = self._around(chosen, poses)
         chosen = continued(chosen, sightings(chosen.curves, overlay, radius=self.radius), overlay)
+        ways = Ways(self.network, poses, self.radius)
+        chosen = chosen.part([i for i, c in enumerate(chosen.curves) if not ways.slides(c)])
+        if not chosen.curves:
+            return None
         chosen = drawn_once(closed_up(self._trimmed(chosen, poses)))
         if not chosen.curves:
             return None
@@ -104,16 +108,17 @@ class Drawer:
         self.tick()
         curves, closed = candidate_curves(overlay, epsilon=self.epsilon, tick=self.tick)
         motions = relative_motions(poses, core)
-        curves, closed = self._staying(curves, closed, motions, overlay)
+        curves, closed = self._staying(curves, closed, poses)
         if not curves:
             return Chosen([], [], np.zeros((0, len(poses)), bool), np.zeros(0))
         p = self._shown(curves, overlay, core)
         how = {"p": p, "motions": motions, "halves": halves_of(poses, core), **self.how}
         return connected(choose(curves, closed, overlay, core, **how), core, self.join)
 
-    def _staying(self, curves, closed, motions, overlay):
-        """The curves that do not slide along themselves."""
-        stays = ~slides(curves, motions, overlay, radius=self.radius)
+    def _staying(self, curves, closed, poses):
+        """The curves that do not run on from pose to pose."""
+        ways = Ways(self.network, poses, self.radius)
+        stays = [not ways.slides(c) for c in curves]
         return [c for c, s in zip(curves, stays) if s], [c for c, s in zip(closed, stays) if s]
 
     def _shown(self, curves, overlay, core):
@@ -174,7 +179,7 @@ class Drawer:
             return nothing
         curves, closed = candidates(overlay)
         motions = relative_motions(poses, drawn)
-        curves, closed = self._staying(curves, closed, motions, around)
+        curves, closed = self._staying(curves, closed, poses)
         if not curves:
             return nothing
         p = self._typical(chosen, found, around)

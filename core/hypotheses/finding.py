@@ -18,14 +18,15 @@ from .merging import merged
 from .seeding import Seeds
 from .significance import evident, expected_by_chance
 from .splitting import split
+from .sweeping import PointPairs
 
 STARTS, APART, FRESH = 8, 15.0, 80
 """Seeds that are grown in each round, edge lengths by which they must differ, and seeds among which they are chosen;
 counts that bound the work."""
 
-LEAST_SEED, FAILURES, MOST = 8.0, 2, 40
+LEAST_SEED, FAILURES, MOST, SWEEPS = 8.0, 2, 40, 5
 """Log odds of a seed that is started (two independent observations), rounds without a thing after which the search
-ends, and things that are looked for at most."""
+ends, things that are looked for at most, and sweeps of the network for more poses of one."""
 
 
 def find_things(field: Field, seeds: Seeds, *, significance, tick=lambda: None, log=lambda *a: None):
@@ -42,7 +43,7 @@ def find_things(field: Field, seeds: Seeds, *, significance, tick=lambda: None, 
     thing does not touch are kept for the next round.
     """
     taken = np.zeros(len(field), bool)
-    lead = leading(field, seeds, tick=tick)
+    lead, pairs = leading(field, seeds, tick=tick), PointPairs(field)
     dead = np.zeros(len(lead), bool)
     score, stale = lead.score.copy(), np.zeros(len(lead), bool)
     growths, found, failures = {}, [], 0
@@ -61,6 +62,7 @@ def find_things(field: Field, seeds: Seeds, *, significance, tick=lambda: None, 
             expected = expected_by_chance(field, thing)
             if expected <= significance:
                 thing, expected = _cells_put_right(field, thing, expected, seeds, taken, significance, tick)
+                thing, expected = _swept(field, thing, expected, seeds, taken, pairs, significance, tick)
             log(f"thing: {len(thing)} poses, {len(thing.points)} points, gain {thing.gain:.0f}, E {expected:.2g}")
             if len(thing) >= 2 and expected <= significance:
                 best = replace(thing, expected=expected)
@@ -92,6 +94,16 @@ def _cells_put_right(field, thing, expected, seeds, taken, significance, tick):
             if len(other) >= 2 and chance <= significance:
                 thing, expected = other, chance
     return thing, expected
+
+
+def _swept(field, thing, expected, seeds, taken, pairs, significance, tick):
+    """The thing with poses of it that no seed led to, each turned as all say, and its E-value."""
+    more = full_grown(field, thing, seeds, taken, price=EAGER, rounds=SWEEPS, pairs=pairs, tick=tick)
+    more = evident(field, more)
+    chance = expected_by_chance(field, more)
+    if chance > significance or len(more) < 2 or (len(more) <= len(thing) and chance > expected):
+        return thing, expected
+    return more, chance
 
 
 class _Growth:

@@ -78,19 +78,24 @@ def grown(
 
 
 def full_grown(
-    field: Field, thing: Hypothesis, seeds: Seeds, taken, *, price=CAREFUL, rounds=3, tick=lambda: None
+    field: Field, thing: Hypothesis, seeds: Seeds, taken, *, price=CAREFUL, rounds=3, pairs=None, tick=lambda: None
 ) -> Hypothesis:
-    """The thing grown until its poses do not change."""
+    """The thing grown until its poses do not change.
+
+    pairs : PointPairs, to look for poses in the whole network, and to turn each pose as all the others say; None asks
+        the seeds alone
+    """
     for _ in range(rounds):
         tick()
         wider = extended(field, thing, taken, reach=WIDE)
         if wider is None:
             break
         wider = replace(wider, poses=align(field, wider.poses, wider.probe, radii=(2.5, 2.0)))
-        wider = rescored(field, with_more_poses(field, wider, seeds, taken, price), taken)
+        more = pairs.poses(wider) if pairs else None
+        wider = rescored(field, with_more_poses(field, wider, seeds, taken, price, more), taken)
         if len(wider) < 2:
             break
-        turned = oriented(field, wider, taken)
+        turned = oriented(field, wider, taken, by_all=pairs is not None)
         if turned is not wider:
             thing = rescored(field, turned, taken)
             continue
@@ -101,9 +106,14 @@ def full_grown(
     return thing
 
 
-def with_more_poses(field: Field, thing: Hypothesis, seeds: Seeds, taken, price=CAREFUL) -> Hypothesis:
-    """The thing with the poses that seeds and closures lead to and the score accepts, best first."""
+def with_more_poses(field: Field, thing: Hypothesis, seeds: Seeds, taken, price=CAREFUL, more=None) -> Hypothesis:
+    """The thing with the poses that seeds and closures lead to and the score accepts, best first.
+
+    more : (k, 4, 4) float64, other candidates
+    """
     poses, witnesses = _candidates(thing, seeds, field)
+    if more is not None:
+        poses, witnesses = np.concatenate([poses, more]), np.concatenate([witnesses, np.ones(len(more))])
     if not len(poses):
         return thing
     owned = taken | explained(field, thing)

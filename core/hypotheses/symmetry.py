@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -22,9 +22,14 @@ SYMMETRIC, ROUGHLY = 0.6, 0.5
 AROUND, FEWEST = 40.0, 30
 """Edge lengths about a thing that tell, and fewest samples there."""
 
-BETTER, TURNED = 8, 0.5
-"""Samples by which a way round shows more: two observations of curve each in four directions; and by how much the trace
-of the turn from pose to pose must grow where two ways show as much (tolerance: a turn by 40 degrees)."""
+BETTER, ALIKE, TURNED = 8, 0.25, 0.5
+"""Samples that a way round must show more in one other pose (two observations of curve); what each further pose adds
+to that, for they show the same curves; and by how much the trace of the turn from pose to pose must grow where two ways
+show as much (tolerance: a turn by 40 degrees)."""
+
+SEEN, NEIGHBOURS, MANY, BESIDE = 2.0, 16, 120, 4
+"""Edge lengths within which a sample is shown; samples beside it that are looked at, samples that stand for what is
+around a pose, and poses beside that are asked; counts that bound the work."""
 
 
 def symmetries(thing: Hypothesis):
@@ -63,47 +68,116 @@ def symmetries(thing: Hypothesis):
     return np.concatenate([np.eye(4)[None], tries[distinct(thing, tries, score, gap=6.0)]])
 
 
-def oriented(field: Field, thing: Hypothesis, taken) -> Hypothesis:
-    """The thing with each pose turned the way that carries what is around the best pose, and of ways that carry as much
-    the one that is turned least from the pose beside; itself where none turns."""
+def oriented(field: Field, thing: Hypothesis, taken, *, by_all=False) -> Hypothesis:
+    """The thing with each pose turned the way that shows what the poses beside it show around them, and of ways that
+    show as much the one that is turned least; itself where none turns.
+
+    by_all : turn each as all the others say, where their word is clear
+    """
     ways = symmetries(thing)
     if len(ways) < 2:
         return thing
     near = field.targets(thing.poses, thing.probe)
+    around = _surroundings(field, thing, near, taken)
+    best = int((near >= 0).mean(axis=1).argmax())
+    if len(around[best]) < FEWEST:
+        return thing
+    thin = [max(1, -(-len(samples) // MANY)) for samples in around]
+    # Of each pose all ways, fitted to the network: a symmetry holds roughly only.
+    tries = np.stack([align(field, pose @ ways, thing.probe, radii=(4.0, 2.5, 2.0)) for pose in thing.poses])
+    views = [
+        _View(thin[k], [replace_frame(field.probe(around[k][:: thin[k]]), inverse(t)) for t in tries[k]])
+        for k in range(len(thing))
+    ]
+    way = _by_all(views) if by_all else _from_pose_to_pose(thing, tries, views, best)
+    if not way.any():
+        return thing
+    return replace(thing, poses=tries[np.arange(len(way)), way])
+
+
+def _surroundings(field, thing, near, taken):
+    """Of each pose the samples (list of int64) about the thing that are nearer to it than to the other poses.
+
+    near : (k, m) int32, samples that show the thing at its poses
+    """
     label = np.full(len(field), -1)
     for k in range(len(thing))[::-1]:
         label[near[k][near[k] >= 0]] = k
     label = field.watershed(label)
     label[taken] = -1
-    best = int((near >= 0).mean(axis=1).argmax())
-    sample = np.flatnonzero(label == best)
-    back = inverse(thing.poses[best])
-    at = field.points[sample] @ back[:3, :3].T + back[:3, 3]
-    sample = sample[cKDTree(thing.points).query(at)[0] < AROUND]
-    if len(sample) < FEWEST:
-        return thing
-    around = field.probe(sample[:: max(1, len(sample) // 300)])
-    around = replace_frame(around, back)
-    weight = len(sample) / len(around)
-    centres = thing.centres()
-    poses, changed = thing.poses.copy(), False
+    tree, out = cKDTree(thing.points), []
+    for k, pose in enumerate(thing.poses):
+        sample, back = np.flatnonzero(label == k), inverse(pose)
+        gap = tree.query(field.points[sample] @ back[:3, :3].T + back[:3, 3], distance_upper_bound=AROUND)[0]
+        out.append(sample[np.isfinite(gap)])
+    return out
+
+
+@dataclass(frozen=True)
+class _View:
+    """What is around a pose, in the frame of the thing as each way shows it. stands : samples for each that is left;
+    ways : a probe for each way"""
+
+    stands: int
+    ways: list
+
+
+def _from_pose_to_pose(thing, tries, views, best):
+    """(k,) int64, the way of each pose that agrees best with those of the poses before; of equal ones that which is
+    turned least from the pose beside. From the best pose on, always the nearest that is left."""
+    centres, way = thing.centres(), np.zeros(len(thing), np.int64)
     done, left = [best], [k for k in range(len(thing)) if k != best]
     while left:
-        # From pose to pose, so that ways that show as much are told by the pose beside.
         gap = np.linalg.norm(centres[left][:, None] - centres[done][None], axis=2)
         k, beside = np.unravel_index(gap.argmin(), gap.shape)
-        k, beside = left.pop(k), done[beside]
+        left_at, k, beside = k, left.pop(k), done[beside]
+        few = [done[j] for j in np.argsort(gap[left_at], kind="stable")[:BESIDE]]
+        agree = _agreement(views[k], [views[j].ways[way[j]] for j in few])
+        like = np.einsum("wij,ij->w", tries[k][:, :3, :3], tries[beside, way[beside], :3, :3])
+        like[agree < agree.max() - _tells(len(few))] = -np.inf
+        best_way = int(like.argmax())
+        if like[best_way] > like[0] + TURNED:
+            way[k] = best_way
         done.append(k)
-        tries = align(field, poses[k] @ ways, around, radii=(4.0, 2.5, 2.0))
-        shown = field.targets(tries, around)
-        mine = np.append(np.flatnonzero(np.linalg.norm(centres - centres[k], axis=1) < 10), -1)
-        count = ((shown >= 0) & np.isin(label[shown], mine)).sum(axis=1) * weight
-        like = np.einsum("wij,ij->w", tries[:, :3, :3], poses[beside, :3, :3])
-        like[count < count.max() - BETTER] = -np.inf
-        way = int(like.argmax())
-        if way and like[way] > like[0] + TURNED:
-            poses[k], changed = tries[way], True
-    return replace(thing, poses=poses) if changed else thing
+    return way
+
+
+def _by_all(views, rounds=6):
+    """The ways (k,) after each pose was turned as all the others say, until none turns."""
+    way = np.zeros(len(views), np.int64)
+    for _ in range(rounds):
+        before = way.copy()
+        for k in range(len(way)):
+            agree = _agreement(views[k], [views[j].ways[way[j]] for j in range(len(way)) if j != k])
+            if agree.max() > agree[way[k]] + _tells(len(way) - 1):
+                way[k] = int(agree.argmax())
+        if (way == before).all():
+            break
+    return way
+
+
+def _tells(others):
+    """By how much more others must agree with one way than with another, for a count of others."""
+    return BETTER * (1 + ALIKE * (others - 1))
+
+
+def _agreement(view, others):
+    """(w,) float64, of each way of a pose how many samples others (probes) show, all together."""
+    points = np.concatenate([o.points for o in others])
+    lines = np.concatenate([o.tangents for o in others])
+    owner = np.repeat(np.arange(len(others)), [len(o) for o in others])
+    out = np.zeros(len(view.ways))
+    if not len(points):
+        return out
+    tree = cKDTree(points)
+    for w, around in enumerate(view.ways):
+        found = tree.query(around.points, k=NEIGHBOURS, distance_upper_bound=SEEN)
+        hit = np.isfinite(found[0])
+        near = np.where(hit, found[1], 0)
+        hit &= np.abs((lines[near] * around.tangents[:, None]).sum(-1)) > 0.8
+        who = np.sort(np.where(hit, owner[near], -1), axis=1)
+        out[w] = (np.diff(who, axis=1) > 0).sum() + (who[:, 0] >= 0).sum()
+    return out * view.stands
 
 
 def replace_frame(probe, back):
