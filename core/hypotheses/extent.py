@@ -158,6 +158,15 @@ def spread(points, key, radius):
         dead[late[new[early]]] = True
 
 
+def joined(a: Probe, b: Probe, spacing) -> Probe:
+    """The points of two probes, none within a spacing (edge lengths) of another; the earlier ones stay."""
+    pick = lambda x, y: None if x is None else np.concatenate([x, y])  # noqa: E731
+    both = Probe(
+        pick(a.points, b.points), pick(a.tangents, b.tangents), pick(a.normals, b.normals), pick(a.kind, b.kind)
+    )
+    return both.take(spread(both.points, -np.arange(len(both)), spacing))
+
+
 def _counts_at(field, poses, fine, owner, hit):
     """(k, m) bool, whether the place of each point at each pose belongs to that pose, or to none and is empty."""
     _, node_of = field.graph

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..evidence.field import Field
 from ..transformations.description import saving
-from .growth import CAREFUL, EAGER, REACHES, full_grown, grown, started
+from .growth import CAREFUL, EAGER, REACHES, WHOLE, full_grown, grown, started, started_whole
 from .hypothesis import explained
 from .leading import leading, scored_widely
 from .merging import merged
@@ -54,7 +54,7 @@ def find_things(field: Field, seeds: Seeds, *, significance, tick=lambda: None, 
             break
         for s in starts:
             if s not in growths:
-                growths[s] = _full_grown(field, lead, s, seeds, taken, tick)
+                growths[s] = _full_grown(field, lead, s, seeds, taken, pairs, tick)
         best = None
         for s, rival in _by_saving(growths):
             thing = evident(field, rival.thing)
@@ -64,7 +64,7 @@ def find_things(field: Field, seeds: Seeds, *, significance, tick=lambda: None, 
                 thing, expected = _cells_put_right(field, thing, expected, seeds, taken, significance, tick)
                 thing, expected = _swept(field, thing, expected, seeds, taken, pairs, significance, tick)
             log(f"thing: {len(thing)} poses, {len(thing.points)} points, gain {thing.gain:.0f}, E {expected:.2g}")
-            if len(thing) >= 2 and expected <= significance:
+            if len(thing) >= 2 and expected <= significance and saving(thing) > 0:
                 best = replace(thing, expected=expected)
                 dead[s] = True
                 break
@@ -136,19 +136,26 @@ def _by_saving(growths):
             heappush(heap, (-rivals[s, k].saves, s, k, True))
 
 
-def _full_grown(field, lead, s, seeds, taken, tick):
-    """What a seed comes to at each price (list); none where it is nothing."""
-    start = started(field, lead.motions[s], lead.stretch[s])
+def _full_grown(field, lead, s, seeds, taken, pairs, tick):
+    """What a seed comes to (list): from what both its ends show, at a careful price of a pose, and from all that is
+    around both, at an eager one with all that is like it anywhere; none where it is nothing."""
     out = []
-    for price in (CAREFUL, EAGER) if start is not None else ():
-        thing = grown(field, start, seeds, taken, (0.0, *REACHES), price=price, tick=tick)
-        if thing is not None and thing.gain > 0:
-            thing = full_grown(field, thing, seeds, taken, price=price, tick=tick)
-            if len(thing) > 1 and thing.gain > 0:
-                out.append(_Growth(thing))
-        if out and np.median(out[0].thing.scores[1:]) > 2 * CAREFUL[0]:
-            break  # Other poses of it would be worth that much, too.
-    return out
+    start = started(field, lead.motions[s], lead.stretch[s])
+    if start is not None:
+        out += _grown_from(field, start, seeds, taken, CAREFUL, None, tick)
+    if out and np.median(out[0].thing.scores[1:]) > 2 * CAREFUL[0]:
+        return out  # Other poses of it would be worth that much, too.
+    start = started_whole(field, lead.motions[s], lead.stretch[s], WHOLE)
+    return out + (_grown_from(field, start, seeds, taken, EAGER, pairs, tick) if start is not None else [])
+
+
+def _grown_from(field, start, seeds, taken, price, pairs, tick):
+    thing = grown(field, start, seeds, taken, (0.0, *REACHES), price=price, pairs=pairs, tick=tick)
+    if thing is not None and thing.gain > 0:
+        thing = full_grown(field, thing, seeds, taken, price=price, tick=tick)
+        if len(thing) > 1 and thing.gain > 0:
+            return [_Growth(thing)]
+    return []
 
 
 def _fresh(field, lead, score, stale, taken, alive, tick):

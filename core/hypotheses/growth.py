@@ -13,10 +13,11 @@ from ..evidence.decoys import SHIFTS, decoys, slipped
 from ..evidence.field import Field
 from ..evidence.odds import LEAST_CHANCE
 from ..geometry.motions import inverse
-from .extent import chance_of, extended, spread
+from ..transformations.description import worth_saying
+from .extent import chance_of, extended, joined, spread
 from .hypothesis import SPACING, Hypothesis, distinct, explained, pose_scores
 from .seeding import Seeds
-from .symmetry import oriented
+from .symmetry import oriented, replace_frame
 
 CAREFUL, EAGER = (25.0, 6.0), (10.0, 1.0)
 """Prices of a pose: the log odds that it must have, and what each other prediction of it by two others takes off that.
@@ -36,8 +37,9 @@ PARTIAL = 0.5
 SAME_POSE, NEAR_SEED = 6.0, 4.0
 """RMS edge lengths within which poses are one, and edge lengths within which a seed starts in a thing."""
 
-CORE, REACHES, WIDE = 15.0, (20.0, 40.0), 90.0
-"""Edge lengths: the thing that a seed starts with, how far it grows in the first rounds, and in the last."""
+CORE, WHOLE, REACHES, WIDE = 15.0, 25.0, (20.0, 40.0), 90.0
+"""Edge lengths: what is shared about a seed that a thing starts with, and what is whole; how far it grows in the first
+rounds, and in the last."""
 
 TRIED, FINE, SAMPLED, CLOSURES = 1_500, 150, 120, 16
 """Candidates that are looked at, those that are scored in full, points they are looked at with, and poses whose
@@ -58,23 +60,50 @@ def started(field: Field, seed_motion, stretch, *, shown=0.5) -> Hypothesis | No
     return Hypothesis(probe, chance, poses, np.zeros(2), np.zeros(2), shown)
 
 
+def started_whole(field: Field, seed_motion, stretch, reach, *, shown=0.5) -> Hypothesis | None:
+    """The thing of one seed: all samples about its stretch at either end, whether the other shows them or not.
+
+    Where an occurrence shows half of a thing, two have a quarter in common and three quarters between them.
+    """
+    poses = np.stack([np.eye(4), seed_motion])
+    probes = []
+    for pose in poses:
+        at = field.points[stretch] @ pose[:3, :3].T + pose[:3, 3]
+        ball = np.unique(np.concatenate(field.tree.query_ball_point(at, reach))).astype(np.int64)
+        probes.append(replace_frame(field.probe(ball), inverse(pose)))
+    probe = joined(*probes, SPACING)
+    if len(probe) < 8:
+        return None
+    chance = np.clip(chance_of(field, poses, probe), LEAST_CHANCE, 0.45)
+    return Hypothesis(probe, chance, poses, np.zeros(2), np.zeros(2), shown)
+
+
 def grown(
-    field: Field, thing: Hypothesis, seeds: Seeds, taken, reaches, *, price=CAREFUL, tick=lambda: None
+    field: Field, thing: Hypothesis, seeds: Seeds, taken, reaches, *, price=CAREFUL, pairs=None, tick=lambda: None
 ) -> Hypothesis | None:
-    """The thing after a round of growth for each reach (0 keeps its curves); None where it comes to nothing."""
+    """The thing after a round of growth for each reach (0 keeps its curves); None where it comes to nothing.
+
+    pairs : PointPairs, to look for poses in the whole network; None asks the seeds alone
+    """
     for reach in reaches:
         tick()
         if reach:
             thing = extended(field, thing, taken, reach=reach)
             if thing is None:
                 return None
-        thing = replace(thing, poses=align(field, thing.poses, thing.probe, radii=(2.5, 2.0)))
-        thing = rescored(field, with_more_poses(field, thing, seeds, taken, price), taken)
+        thing = worth_saying(_with_poses(field, thing, seeds, taken, price, pairs))
         if len(thing) < 2:
             return None
         if reach:
             thing = oriented(field, thing, taken)
     return thing
+
+
+def _with_poses(field, thing, seeds, taken, price, pairs):
+    """The thing with its poses aligned, more poses, and without those that do not pay."""
+    thing = replace(thing, poses=align(field, thing.poses, thing.probe, radii=(2.5, 2.0)))
+    more = with_more_poses(field, thing, seeds, taken, price, pairs.poses(thing) if pairs else None)
+    return rescored(field, more, taken)
 
 
 def full_grown(
@@ -90,9 +119,9 @@ def full_grown(
         wider = extended(field, thing, taken, reach=WIDE)
         if wider is None:
             break
-        wider = replace(wider, poses=align(field, wider.poses, wider.probe, radii=(2.5, 2.0)))
-        more = pairs.poses(wider) if pairs else None
-        wider = rescored(field, with_more_poses(field, wider, seeds, taken, price, more), taken)
+        wider = _with_poses(field, wider, seeds, taken, price, pairs)
+        if pairs is None:
+            wider = worth_saying(wider)
         if len(wider) < 2:
             break
         turned = oriented(field, wider, taken, by_all=pairs is not None)

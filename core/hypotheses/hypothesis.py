@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -70,11 +71,17 @@ class Hypothesis:
 
     def embedded(self, poses):
         """(k, 12) float64, vectors whose distances are the RMS distances of the poses on the thing."""
+        centre, axes = self._extent
+        turned = poses[:, :3, :3] @ axes
+        return np.concatenate([turned.reshape(-1, 9), poses[:, :3, :3] @ centre + poses[:, :3, 3]], axis=1)
+
+    @cached_property
+    def _extent(self):
+        """Middle (3,) of the points, and their main axes (3, 3) as columns, as long as their standard deviations."""
         centre = self.points.mean(axis=0)
         off = self.points - centre
         values, axes = np.linalg.eigh(off.T @ off / len(off))
-        turned = poses[:, :3, :3] @ axes * np.sqrt(np.maximum(values, 0))
-        return np.concatenate([turned.reshape(-1, 9), poses[:, :3, :3] @ centre + poses[:, :3, 3]], axis=1)
+        return centre, axes * np.sqrt(np.maximum(values, 0))
 
 
 def pose_scores(field: Field, thing: Hypothesis, poses, owned, *, beside=None):

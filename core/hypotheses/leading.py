@@ -14,6 +14,7 @@ from scipy.spatial import cKDTree
 
 from ..evidence.alignment import align
 from ..evidence.field import Field
+from ..evidence.lines import lines_once
 from .seeding import Places, Seeds, best_of_places, budget, region_scores
 
 LOOKED = 500, 1
@@ -54,8 +55,12 @@ def scored_widely(field: Field, seeds: Seeds, taken=None) -> Seeds:
 
 
 def _scored(field, seeds, region, taken=None):
-    middle = field.points[seeds.source]
-    score, extent = region_scores(field, seeds.motions, *region, middle, taken=taken)
+    middle, (samples, _, length) = field.points[seeds.source], region
+    telling = np.zeros(samples.shape)
+    for row, out, one in zip(samples, telling, length):
+        there = row >= 0
+        out[there] = lines_once(field.points[row[there]], field.tangents[row[there]], np.ones(there.sum(), bool), one)
+    score, extent = region_scores(field, seeds.motions, *region, middle, taken=taken, telling=telling)
     return replace(seeds, score=score, extent=extent)
 
 

@@ -16,7 +16,7 @@ from ..evidence.field import Field, Probe
 from ..evidence.odds import LEAST_CHANCE
 from ..geometry.motions import inverse
 from ..transformations.description import describe
-from .extent import chance_of, extended, spread
+from .extent import chance_of, extended, joined
 from .growth import SAME_POSE, posed, rescored
 from .hypothesis import SPACING, Hypothesis
 
@@ -44,7 +44,9 @@ def merged(field: Field, thing: Hypothesis, taken) -> Hypothesis:
     if not len(first) or len(thing) - len(first) < 2 or 2 * len(first) < PAIRED * len(thing):
         return thing
     alone = np.setdiff1d(np.arange(len(thing)), np.r_[first, second])
-    probe = _both(thing.probe, inner)
+    image = thing.probe.moved(inner[None])
+    image = Probe(image.points[0], image.tangents[0], None if image.normals is None else image.normals[0], image.kind)
+    probe = joined(thing.probe, image, 0.75 * SPACING)
     chance = np.clip(chance_of(field, thing.poses[first], probe), LEAST_CHANCE, 0.45)
     # One without its partner may be either half.
     ways = np.stack([thing.poses[alone], thing.poses[alone] @ inverse(inner)], axis=1)
@@ -106,14 +108,3 @@ def _alike(thing, first, second):
             first[k], second[k] = second[k], first[k]
         done[k] = True
     return first, second
-
-
-def _both(probe: Probe, inner) -> Probe:
-    """The points of a probe and of its image under a motion of the frame, about SPACING apart."""
-    image = probe.moved(inner[None])
-    pick = lambda a, b: None if a is None else np.concatenate([a, b])  # noqa: E731
-    both = Probe(
-        pick(probe.points, image.points[0]), pick(probe.tangents, image.tangents[0]),
-        pick(probe.normals, None if image.normals is None else image.normals[0]), pick(probe.kind, probe.kind),
-    )  # fmt: skip
-    return both.take(spread(both.points, -np.arange(len(both)), 0.75 * SPACING))

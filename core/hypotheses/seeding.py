@@ -212,7 +212,7 @@ def _ball_scores(field, motions, balls, at, places, p):
     return region_scores(field, motions, balls, distance, length, middle, p)
 
 
-def region_scores(field: Field, motions, samples, distance, length, middle, p=0.5, taken=None):
+def region_scores(field: Field, motions, samples, distance, length, middle, p=0.5, taken=None, telling=None):
     """Log odds (k,) of motions (k, 4, 4) on the best part of a region, and how far it reaches (k,).
 
     Parameters
@@ -221,6 +221,7 @@ def region_scores(field: Field, motions, samples, distance, length, middle, p=0.
     distance : (k, m), how far each is; length : (k,), edge lengths of curve that each stands for; middle : (k, 3)
     p : the share of a thing that an occurrence shows
     taken : (n,) bool, samples that tell nothing, at either end of the motion; None for none
+    telling : (k, m), how much each sample tells; None for 1
     """
     probe = field.probe(np.maximum(samples, 0))
     there = samples >= 0
@@ -236,6 +237,8 @@ def region_scores(field: Field, motions, samples, distance, length, middle, p=0.
     q = np.clip(q, 0.02, p - 0.05)
     tells = there & ~sliding(field, motions, probe)
     weight = tells * length[:, None] / UNIT
+    if telling is not None:
+        weight = weight * telling
     run = np.cumsum(log_odds(hit, p, q) * weight, axis=1)
     best = run.argmax(axis=1)
     rows = np.arange(len(motions))

@@ -14,6 +14,7 @@ from scipy.spatial import cKDTree
 
 from ..evidence.decoys import OTHERS, SHIFTS, decoys, slipped
 from ..evidence.field import Field, Probe
+from ..evidence.lines import lines_once
 from ..evidence.odds import LEAST_CHANCE, UNIT, between, log_odds, sliding
 from ..geometry.motions import inverse
 from .extent import spread
@@ -38,14 +39,6 @@ aligned: all poses of a thing together, and each alone."""
 CHOSEN = 50.0
 """Edge lengths of the best fragment that count nothing: a match of l0 was chosen there, and chance hits run on for up
 to as much again. A longer fragment that recurs, such as one closed outline, is evidence of its own."""
-
-STRAIGHT = 25.0
-"""Edge lengths of a straight line that tell all there is to tell of it, wherever its pieces lie: lines are many, and
-those that meet at right angles, too."""
-
-FITTED, OFF, BENT, ALONG = 20.0, 2.0, 0.04, 0.85
-"""Edge lengths over which the direction of a line is fitted, edge lengths off it and share of the way along it by which
-a point of it may be off, and least cosine of their directions; tolerances."""
 
 RATE, SCALE = 0.7, 7.5
 """Things per scene without recurrence whose evidence is above 0, and the scale of its exponential tail, nats; fitted on
@@ -111,7 +104,7 @@ def pose_evidence(field: Field, thing: Hypothesis) -> PoseEvidence:
     nearest = _nearest_pose(thing)
     slides = sliding(field, between(thing.poses, thing.poses[nearest]), points.moved(thing.poses[nearest]))
     tells = (others > 0) & ~slides
-    weight = _of_lines(points, hit.sum(axis=0) > 1) * (SPACING / UNIT)
+    weight = lines_once(points.points, points.tangents, hit.sum(axis=0) > 1) * (SPACING / UNIT)
     tested = [
         _Tested(field, pose, points.take(t), block[t], weight[t], near[k, t], others[k, t], len(thing) - 1)
         for k, (pose, t) in enumerate(zip(thing.poses, tells))
@@ -142,25 +135,6 @@ def _overlay(field, thing):
     # Samples are one edge apart: a little less than SPACING takes every other one.
     chosen = spread(points, np.zeros(len(points)), 0.95 * SPACING)
     return Probe(points, tangents, normals, kind).take(chosen), block.ravel()[chosen]
-
-
-def _of_lines(points, shown):
-    """(m,) float64, how much each point tells: along one straight line all together as much as `STRAIGHT` of it.
-
-    shown : (m,) bool, points that are counted along a line
-    """
-    at, line = points.points, points.tangents
-    gap = at[None, shown] - at[:, None]
-    for reach in (FITTED, np.inf):
-        along = np.einsum("ijk,ik->ij", gap, line)
-        off = np.sqrt(np.maximum(np.einsum("ijk,ijk->ij", gap, gap) - along**2, 0))
-        same = (off < OFF + BENT * np.abs(along)) & (np.abs(line @ points.tangents[shown].T) > ALONG)
-        same &= np.abs(along) < reach
-        if reach == FITTED:
-            # Tangents are noisy: the line is that of the points around.
-            scatter = np.einsum("ij,ijk,ijl->ikl", same.astype(float), gap, gap) + np.einsum("ik,il->ikl", line, line)
-            line = np.linalg.eigh(scatter)[1][:, :, 2]
-    return np.minimum(1.0, STRAIGHT / (SPACING * np.maximum(same.sum(axis=1), 1)))
 
 
 def _nearest_pose(thing):

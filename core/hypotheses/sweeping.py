@@ -94,7 +94,7 @@ def _pairs_of(points):
 
 def _rarest(pair, count):
     """Indices of the pairs that few are like, each point at few of them."""
-    often, out = np.zeros(pair.max() + 1, int), []
+    often, out = np.zeros(pair.max(initial=-1) + 1, int), []
     for k in np.argsort(count, kind="stable"):
         if (often[pair[k]] < EACH).all():
             often[pair[k]] += 1

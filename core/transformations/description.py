@@ -21,6 +21,9 @@ from .orbits import NEAR, NEIGHBOURS, PAIRS, SMALL_TURN, Orbit
 POSE, NUMBER, CELL = 25.0, 4.2, 0.7
 """Cost in nats of a free pose, of one number of a generator, and of a cell, full or empty (one bit)."""
 
+LEAST = 4
+"""Poses from which on an orbit says that others are none of it: three lie in a row often enough."""
+
 SMALL_PITCH, LONGEST = 4.0, 64
 """Edge lengths below which a generator may be no slide, and most steps of an orbit (a count that bounds the work)."""
 
@@ -47,6 +50,16 @@ def saving(thing) -> float:
     orbit = describe(thing)
     said = len(thing.poses) * POSE if orbit.kind == "single" else description_length(orbit, len(thing.poses))
     return float(thing.scores[1:].sum() - (said - POSE))
+
+
+def worth_saying(thing):
+    """The thing without the poses beside its orbit that tell less than it takes to say where they are."""
+    if len(thing.poses) < LEAST or (thing.scores[1:] >= POSE).all():
+        return thing
+    orbit = describe(thing)
+    worth = orbit.fits | (thing.scores >= POSE)
+    worth[0] |= not orbit.fits.any()
+    return thing if orbit.kind == "single" or worth.all() else thing.at(np.flatnonzero(worth))
 
 
 def description_length(orbit: Orbit, count) -> float:
