@@ -19,6 +19,10 @@ UNITS = {1: "in", 2: "ft", 4: "mm", 5: "cm", 6: "m", 7: "km", 10: "yd", 14: "dm"
 """Names of the units that drawings are in, by DXF's code."""
 
 
+METRES = {1: 0.0254, 2: 0.3048, 4: 0.001, 5: 0.01, 6: 1.0, 7: 1000.0, 10: 0.9144, 14: 0.1, 21: 1200 / 3937}
+"""How long they are."""
+
+
 @dataclass(frozen=True)
 class Shares:
     """Which part of which input curve became which curve, a row for each pair that shares a length.

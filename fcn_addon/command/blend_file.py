@@ -23,7 +23,7 @@ from ..scans import Scan
 from ..scene import importers, origin
 from ..scene.families import within
 from ..scene.libraries import require_libraries
-from ..scene.units import unit_length
+from ..scene.units import metres, unit_length
 from ..shifts import moved_completion, moved_curves, moved_fitted, shift_for
 
 GEOMETRY = {*reader.CURVE_TYPES, "MESH", "SURFACE", "META"}
@@ -66,6 +66,11 @@ def read(path, choice=None, say=lambda line: None):
     if skipped:
         say(f"{path}: {skipped.line()}")
     return [_moved(part, shift) for part in found], skipped, shift
+
+
+def unit():
+    """How many metres a unit of the open scene is, None where it has none, and what words a length in it."""
+    return metres(bpy.context.scene), unit_length(bpy.context.scene)
 
 
 def _moved(part, shift):

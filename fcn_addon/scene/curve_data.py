@@ -116,11 +116,11 @@ def digest(data) -> str:
     if hasattr(data, "vertices"):
         values = np.empty(3 * len(data.vertices), np.float32)
         data.vertices.foreach_get("co", values)
-        found.update(values)
+        found.update(values.tobytes())
         return found.hexdigest()
     for spline in data.splines:
         values = bezier_path(spline) if spline.type == "BEZIER" else spline_points(spline)
-        found.update(np.ascontiguousarray(values))
+        found.update(values.tobytes())
     return found.hexdigest()
 
 

@@ -218,6 +218,38 @@ def test_the_edge_length_of_a_scan_in_a_scene(bpy, scene, fcn, tmp_path):
     assert code == 2 and f"edge length {(2 + 3 + 13**0.5) / 3:.4g} (mean edge of scan.blend)" in said
 
 
+@pytest.mark.parametrize(
+    ("system", "size", "given", "said", "units"),
+    [
+        ("METRIC", 0.001, "50mm", "edge length 50, 5 cm in the scene (as given)", 4),
+        ("METRIC", 0.001, "50", "edge length 50, 5 cm in the scene (as given)", 4),
+        ("METRIC", 1.0, "5cm", "edge length 0.05, 5 cm in the scene (as given)", 6),
+        ("IMPERIAL", 0.3048, "6 in", 'edge length 0.5, 6" in the scene (as given)', 2),
+        ("NONE", 1.0, "0.05", "edge length 0.05 (as given)", 6),
+    ],
+)
+def test_lengths_are_in_the_unit_of_the_scene(bpy, arcs, fcn, tmp_path, system, size, given, said, units):
+    ezdxf = pytest.importorskip("ezdxf")
+    edge = {"50mm": 50, "50": 50, "5cm": 0.05, "6 in": 0.5, "0.05": 0.05}[given]
+    (tmp_path / "in.obj").write_text(arcs())
+    bpy.ops.fcn.import_curves(filepath=str(tmp_path / "in.obj"))
+    bpy.context.active_object.scale = [10 * edge] * 3
+    unit = bpy.context.scene.unit_settings
+    unit.system, unit.scale_length = system, size
+    path = save(bpy, tmp_path / "a.blend")
+    code, text = fcn(path, "--edge-length", given, "--curves", tmp_path / "r.dxf")
+    assert code == 0 and said in text
+    assert ezdxf.readfile(tmp_path / "r.dxf").units == units
+
+
+def test_a_unit_needs_inputs_that_have_one(fcn, arcs, tmp_path):
+    (tmp_path / "in.obj").write_text(arcs())
+    code, text = fcn(tmp_path / "in.obj", "--edge-length", "10cm")
+    assert code == 2 and "give the number alone" in text
+    code, text = fcn(tmp_path / "in.obj", "--edge-length", "10 parsecs")
+    assert code == 2 and "10 parsecs" in text
+
+
 def test_the_report_names_what_is_left_out(bpy, scene, fcn, tmp_path):
     path = save(bpy, tmp_path / "a.blend")
     code, said = fcn(path, "--object", "Scan", "--detect-only", "--boundary", "--min-length", "0", "--report",
