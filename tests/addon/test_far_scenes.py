@@ -52,6 +52,7 @@ def far(bpy, part, wall, completion, monkeypatch):
 @pytest.mark.parametrize("form", ["DENSE", "MESH"])
 def test_all_of_a_result_stands_where_the_wall_is(bpy, far, wall, form):
     root, truth = far(form)
+    assert root["fcn_step"] == 0.5
     found = shown(bpy, root) - UTM
     assert distance(found, truth) < 1e-5 and distance(truth, found) < 1e-5
     copy = next(o for o in root.all_objects if o.name.startswith("Input"))

@@ -145,6 +145,20 @@ def test_lines_of_gltf_are_curves_with_z_up(take, tmp_path, mode, indices):
     assert {tuple(p) for p in reading.curves.points.round(5).tolist()} == {tuple(map(float, p)) for p in LINE}
 
 
+def test_several_scenes_of_gltf_are_told_or_hidden(bpy, fcn, tmp_path):
+    path = gltf(tmp_path / "a.gltf", 3, [0, 1, 2], LINE)
+    document = json.loads(path.read_text())
+    document["nodes"].append({"mesh": 0, "translation": [9, 0, 0]})
+    document["scenes"].append({"nodes": [1]})
+    path.write_text(json.dumps(document))
+    code, said = fcn(path, "--l0", "5000")
+    assert code == 2
+    if "2 scenes, and this Blender shows them as one" in said:
+        assert "\n2 curves, 6 points" in said and bpy.app.version < (5, 2)
+    else:
+        assert "\n1 curves, 3 points" in said and "1 hidden" in said
+
+
 def test_triangles_of_gltf_are_a_scan(take, tmp_path):
     (scan,), _, _ = take(gltf(tmp_path / "a.gltf", 4, [0, 1, 2], [(0, 0, 0), (1, 0, 0), (0, 1, 0)]))
     assert len(scan.triangles) == 1 and scan.points.max() == pytest.approx(1)

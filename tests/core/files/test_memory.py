@@ -79,7 +79,7 @@ def ascii_stl(points, faces):
 
 
 def ridge_lines(points, faces):
-    lines = points.reshape(-1, 3 * 40)
+    lines = np.tile(points, (2, 1)).reshape(-1, 3 * 40)
     return b"".join(b"4 1.25 0.5 " + b" ".join(b"%.6f" % v for v in line) + b"\n" for line in lines.tolist())
 
 
@@ -91,7 +91,7 @@ def crest_lines(points, faces):
 
 
 def polylines(points, faces):
-    lines = points.reshape(-1, 3 * 40)
+    lines = np.tile(points, (2, 1)).reshape(-1, 3 * 40)
     return b"".join(b"40 " + b" ".join(b"%.6f" % v for v in line) + b"\n" for line in lines.tolist())
 
 
@@ -105,7 +105,7 @@ def drawing(points, faces):
     out = io.StringIO()
     ezdxf.new().write(out)
     head, _, tail = out.getvalue().partition("  2\nENTITIES\n")
-    entities = (LINE % (65536 + i, *row) for i, row in enumerate(points[faces[:45_000, :2]].reshape(-1, 6).tolist()))
+    entities = (LINE % (65536 + i, *row) for i, row in enumerate(points[faces[:60_000, :2]].reshape(-1, 6).tolist()))
     return (head + "  2\nENTITIES\n" + "".join(entities) + tail).encode()
 
 
