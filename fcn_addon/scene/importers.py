@@ -34,8 +34,10 @@ def open_file(path) -> str:
         with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):  # they say a lot
             done = run(filepath=str(Path(path).resolve()))
     except Exception as error:  # the importers are scripts, and raise whatever a broken file makes them
-        reason = " ".join(str(error).removeprefix("Error:").split()) or type(error).__name__
-        raise InputError(f"{path}: Blender cannot import it ({reason}); was it cut off?") from None
+        reason = _words(error)
+        raise InputError(
+            f"{path}: Blender cannot import it ({reason}); check that it is whole, and the files that it names"
+        ) from None
     if "FINISHED" not in done:
         raise InputError(f"{path}: Blender cannot import it; open it in Blender to see why")
     bpy.context.view_layer.update()
@@ -43,6 +45,15 @@ def open_file(path) -> str:
     if count > 1 and not any(layer.exclude for layer in bpy.context.view_layer.layer_collection.children):
         return f"{path} has {count} scenes, and this Blender shows them as one; --object takes a part of them"
     return ""
+
+
+def _words(error) -> str:
+    """What an importer says is wrong: of a traceback, which is how a script of Blender's fails, what was raised."""
+    text = str(error).removeprefix("Error:").strip()
+    if "Traceback (most" in text:
+        lines = [line for line in text.splitlines() if line[:1].strip() and not line.startswith("Location:")]
+        text = lines[-1] if len(lines) > 1 else type(error).__name__
+    return " ".join(text.split()) or type(error).__name__
 
 
 def _gltf_scenes(path) -> int:

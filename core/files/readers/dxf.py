@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
@@ -14,7 +15,11 @@ from ..text import LARGEST, load
 from .dxf_space import CURVES, Space, is_curve, points_of
 
 MOST = 2_000_000
-"""Entities and points that a drawing may come to when its blocks are put in: some refer to each other endlessly."""
+"""Entities that a drawing may come to when its blocks are put in, and points beside those that it has room for: some
+blocks refer to each other endlessly."""
+
+ROOM = 8
+"""Bytes of the file that a point takes at least; so all of them come to three times the file in memory."""
 
 BINARY = b"AutoCAD Binary DXF"
 
@@ -49,8 +54,8 @@ def read_dxf(path) -> Reading:
         lines, left_out = _shown(drawing, space)
         for entity in _Expansion(path, drawing, left_out).of(drawing.modelspace()):
             lines.add(points_of(entity))
-            if len(lines.points) > 3 * MOST:
-                raise InputError(f"{path}: over {MOST} points with all blocks put in; simplify the drawing")
+            if len(lines.points) > 3 * space.most:
+                raise InputError(f"{path}: over {space.most} points with all blocks put in; simplify the drawing")
     except InputError:
         raise
     except Exception as error:  # ezdxf raises whatever the damage leads to
@@ -90,7 +95,7 @@ def _open(path):
         try:
             return _read(path)
         except OverflowError:
-            raise InputError(f"{path}: over {MOST} points; simplify the drawing") from None
+            raise InputError(f"{path}: over {_most(path)} points; simplify the drawing") from None
         except InputError:
             raise
         except Exception:  # whatever the damage leads to
@@ -103,7 +108,12 @@ def _open(path):
         raise InputError(f"{path}: the drawing is damaged ({_words(error)}); save it again") from None
     if audit.has_errors:
         raise InputError(f"{path}: the drawing is damaged ({_words(audit.errors[0].message)}); save it again")
-    return drawing, Space(MOST)
+    return drawing, Space(_most(path))
+
+
+def _most(path) -> int:
+    """How many points a drawing may come to."""
+    return MOST + Path(path).stat().st_size // ROOM
 
 
 def _check(path):
@@ -122,7 +132,7 @@ def _read(path):
     from ezdxf.filemanagement import dxf_file_info
     from ezdxf.lldxf.tagger import ascii_tags_loader, binary_tags_loader
 
-    space = Space(MOST)
+    space = Space(_most(path))
     with open(path, "rb") as file:
         if file.read(len(BINARY)) == BINARY:
             return Drawing.load(space.passed_on(binary_tags_loader(load(path)))), space

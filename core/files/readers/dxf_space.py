@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The entities of a DXF drawing as it is read, one after the other, so that most of them are not kept.
 
-ezdxf keeps some twenty times the size of the file for what is drawn. So what the section ENTITIES holds becomes points
-while the drawing is read, and ezdxf gets the rest: tables, blocks, and the INSERT of blocks.
+ezdxf keeps seven to eight times the size of the file for what is drawn. So what the section ENTITIES holds becomes
+points while the drawing is read, and ezdxf gets the rest: tables, blocks, and the INSERT of blocks.
 """
 
 from __future__ import annotations
@@ -65,15 +65,16 @@ class Space:
 
     lines : Lines, whose `where` is an index into `places`
     places : (type, layer, owner, whether it is of paper space, whether it is invisible) -> its index
+    most : how many points there may be
     others : Counter of what is no line, by the index of its place
     """
 
     def __init__(self, most):
         self.lines, self.places, self.others = Lines(), {}, Counter()
-        self._most, self._open = most, []
+        self.most, self._open = most, []
 
     def passed_on(self, tags):
-        """Yield the tags but for what is drawn. Raises OverflowError at more than `most` points."""
+        """Yield the tags but for what is drawn. Raises OverflowError where there are too many points."""
         inside, entity = False, []
         for tag in tags:
             if not inside:
@@ -120,7 +121,7 @@ class Space:
             self.lines.add(points_of(entity), place)
         else:
             self.others[place] += 1
-        if len(self.lines.points) > 3 * self._most:
+        if len(self.lines.points) > 3 * self.most:
             raise OverflowError
 
     def _place(self, entity) -> int:

@@ -193,12 +193,15 @@ def test_scans_that_blender_writes_come_back_as_they_were(bpy, take, bumps, tmp_
 
 
 @pytest.mark.parametrize("ending", [".glb", ".gltf", ".fbx", ".usda", ".usdc", ".abc"])
-@pytest.mark.parametrize("content", [b"", b"\x00\xff garbage" * 50], ids=["empty", "garbage"])
+@pytest.mark.parametrize(
+    "content", [b"", b"\x00\xff garbage" * 50, b"glTF\2\0\0\0"], ids=["empty", "garbage", "cut off"]
+)
 def test_broken_files_are_refused_in_one_line(fcn, tmp_path, ending, content):
     path = tmp_path / f"a{ending}"
     path.write_bytes(content)
     code, said = fcn(path)
     assert (code, said.count("\n")) == (2, 1) and said.startswith(f"error: {path}: ")
+    assert "Traceback" not in said and len(said) < 400
 
 
 def test_objects_of_other_scenes_are_counted_and_can_be_named(bpy, scene, take, tmp_path):
