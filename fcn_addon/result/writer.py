@@ -168,7 +168,7 @@ class _Writer(_Maker):
                 if is_far:
                     offset = pose[:3, :3].T @ off[occurrence]
                     pose[:3, 3] = held(pose[:3, 3])
-                    parts = self._parts(t, centre - offset, is_own=True)
+                    parts = self._parts(t, centre - offset, f" at {occurrence + 1}")
                 holder = self._holder(template, occurrence, pose, centre, home, self._name(t))
                 if is_far:
                     holder[OFFSET] = offset.tolist()
@@ -179,14 +179,14 @@ class _Writer(_Maker):
         """What template number t of the completion is called."""
         return self.names.get(self.completion.templates[t].id, f"Template {letters(t)}")
 
-    def _parts(self, t, centre, is_own=False):
-        """The curves of template number t about a centre, and their data; `is_own` for those of one occurrence."""
+    def _parts(self, t, centre, place=""):
+        """The curves of template number t about a centre, and their data; of one occurrence if its `place` is named."""
         template, name, made = self.completion.templates[t], self._name(t), []
         fits = [None] * len(template.curves) if self.fitted is None else self.fitted.templates[t]
         for i, (curve, fit) in enumerate(zip(template.curves, fits)):
-            data = self._curve(f"{name} {i + 1}", curve, fit, centre)
+            data = self._curve(f"{name} {i + 1}{place}", curve, fit, centre)
             data["part"] = i
-            if is_own:
+            if place:
                 data[TWIN], data[DIGEST] = f"{template.id} {i}", digest(data)
             made.append((curve, data))
         return made

@@ -122,3 +122,43 @@ def test_detected_and_imported_curves_stand_where_they_were_computed(bpy, part, 
     world = np.array([v.co for v in item.data.vertices], float) + np.array(item.matrix_world.translation)
     truth = part("core.files.formats").read_lines(tmp_path / "far.obj").curves.points
     assert distance(world - UTM, truth - UTM) < 1e-5
+
+
+@pytest.mark.parametrize("kind", ["CURVE", "MESH", "CURVES"])
+def test_one_object_of_it_stands_there_too(bpy, part, far, kind):
+    _, truth = far()
+    assert bpy.ops.fcn.apply(kind=kind) == {"FINISHED"}
+    bpy.context.view_layer.update()
+    item = next(o for o in bpy.context.scene.collection.objects if o.name.endswith("completed"))
+    if kind == "CURVES":  # in Blender 4.2 these are Catmull-Rom curves through the same points
+        positions = item.data.attributes["position"].data
+        points = np.array([p.vector for p in positions], float) + np.array(item.matrix_world.translation)
+    else:
+        points = (
+            part("fcn_addon.reading.reader").read([item], bpy.context.evaluated_depsgraph_get()).reading.curves.points
+        )
+    assert distance(points - UTM, truth) < 1e-5 and distance(truth, points - UTM) < 1e-5
+
+
+def test_a_template_is_renamed_with_the_curves_of_each_occurrence(bpy, far):
+    root, _ = far()
+    root.fcn_result.template_rows[0].name = "Window"
+    names = {o.data.name for o in root.all_objects if o.get("occurrence", -1) >= 0 and "support" in o}
+    assert names == {f"Window {i} at {k}" for i in (1, 2) for k in range(1, 7)}
+
+
+def test_in_a_scene_of_blendergis_it_goes_out_with_world_coordinates(bpy, part, wall, work, completion, tmp_path):
+    scene = bpy.context.scene
+    scene["crs x"], scene["crs y"] = float(UTM[0]), float(UTM[1])
+    assert bpy.ops.fcn.complete() == {"FINISHED"}
+    bpy.context.view_layer.update()
+    assert "fcn_step" not in scene.fcn.result
+    truth = computed(completion)
+    assert distance(shown(bpy, scene.fcn.result), truth) < 1e-4
+    for form in ("OBJ", "DXF"):
+        if form == "DXF":
+            pytest.importorskip("ezdxf")
+        path = str(tmp_path / f"a.{form.lower()}")
+        assert bpy.ops.fcn.export_curves(filepath=path, form=form) == {"FINISHED"}
+        found = part("core.files.formats").read_lines(path).curves.points - [*UTM[:2], 0]
+        assert distance(found, truth) < 1e-4 and distance(truth, found) < 1e-4
