@@ -172,7 +172,8 @@ class Length:
 
 
 def _edge_length(word) -> Length:
-    number, unit = re.fullmatch(r"(.*?)\s*([a-z]*)", word.strip(), re.DOTALL).groups()
+    found = re.fullmatch(r"(.*?)\s*([a-z]*)", word.strip(), re.DOTALL)
+    number, unit = found.groups() if found else (word, "")
     if unit not in SIZES:
         number, unit = word, ""
     value = _number(number)
