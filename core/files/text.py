@@ -63,7 +63,7 @@ def without_mark(data) -> bytes:
     return data
 
 
-BLOCK = 1 << 20
+BLOCK = 1 << 18
 """Bytes of text that are cut into words at once: words take ten times the memory of their text."""
 
 

@@ -11,21 +11,23 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[3]
 
-BASE = 20e6
+BASE = 30e6
 """Bytes: a block of text as words, above all."""
 
 SIZE = 400
 
 PROGRAM = """
-import resource, sys
+import sys
 from core.files import formats
 from core.files.readers import dxf, obj, ply, ridges, stl  # so that what they import is not counted
 if sys.argv[1].endswith(".dxf"):
     import ezdxf.document, ezdxf.path
 read = formats.read_lines if sys.argv[2] == "lines" else formats.read_surface
-before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+def peak():  # of this program; getrusage begins with that of the process that started it
+    return next(int(line.split()[1]) for line in open("/proc/self/status") if line.startswith("VmHWM"))
+before = peak()
 found = read(sys.argv[1])
-print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before)
+print(peak() - before)
 """
 
 
@@ -127,4 +129,4 @@ def test_reading_takes_three_times_the_file_at_most(mesh, tmp_path, make, name, 
     command = [sys.executable, "-c", PROGRAM, str(path), what]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=200, check=True)
     peak = 1024 * int(done.stdout)
-    assert peak < 3 * size + BASE, f"{(peak - BASE) / size:.1f} times the file"
+    assert size / 2 < peak < 3 * size + BASE, f"{(peak - BASE) / size:.1f} times the file"
