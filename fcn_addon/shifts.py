@@ -29,6 +29,19 @@ def shift_for(points) -> np.ndarray:
     return np.where(np.abs(middle) > FAR * extent, np.round(middle / unit) * unit, 0.0)
 
 
+def held(places) -> np.ndarray:
+    """Places as single precision holds them, in float64.
+
+    An object that stands on such a place is there exactly, and its data about it are as fine as those near the origin.
+    """
+    return np.asarray(places, np.float32).astype(np.float64)
+
+
+def held_middle(points) -> np.ndarray:
+    """(3,) float64, near the middle of the bounding box of points (n, 3), a place that single precision holds."""
+    return held(0.5 * (points.min(axis=0) + points.max(axis=0)))
+
+
 def moved_curves(curves, by):
     """Curves moved by (3,)."""
     return replace(curves, points=curves.points + by)

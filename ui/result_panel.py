@@ -9,6 +9,7 @@ from bpy.app.translations import pgettext_iface as iface_
 from ..fcn_addon.job import session
 from ..fcn_addon.result import stored
 from ..fcn_addon.scene import origin
+from ..fcn_addon.scene.units import unit_length
 from ..fcn_addon.wording import counted
 from .sidebar import Sidebar
 
@@ -86,6 +87,10 @@ class FCN_PT_result(OfResult, bpy.types.Panel):
         if shift:
             text = iface_("Shift: {shift}").format(shift=shift)
             layout.label(text=text, icon="ORIENTATION_GLOBAL", translate=False)
+        if origin.STEP in root:
+            step = unit_length(context.scene)(root[origin.STEP])
+            text = iface_("Far from the origin: Blender rounds places to {step}").format(step=step)
+            layout.label(text=text, icon="ERROR", translate=False)
         views = layout.grid_flow(row_major=True, columns=2, even_columns=True, align=True)
         for view in ("RESULT", "COMPONENTS", "TEMPLATES", "INPUT"):
             views.prop_enum(result, "view", view)

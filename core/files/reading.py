@@ -19,6 +19,10 @@ UNITS = {1: "in", 2: "ft", 4: "mm", 5: "cm", 6: "m", 7: "km", 10: "yd", 14: "dm"
 """Names of the units that drawings are in, by DXF's code."""
 
 
+METRES = {1: 0.0254, 2: 0.3048, 4: 0.001, 5: 0.01, 6: 1.0, 7: 1000.0, 10: 0.9144, 14: 0.1, 21: 1200 / 3937}
+"""How long they are."""
+
+
 @dataclass(frozen=True)
 class Shares:
     """Which part of which input curve became which curve, a row for each pair that shares a length.
@@ -62,7 +66,7 @@ def lines_of_points(path, points, index, offsets, *, named, strength=None, kind=
     ----------
     path : named in errors
     points : (n, 3) float64
-    index : (k,) int64, the points of all lines; one that is closed repeats its first
+    index : (k,) int64, the points of all lines; one that is closed repeats its first; None for all in their order
     offsets : (m + 1,) int64
     named : (m,) bool, whether a line is an input curve of its own, rather than a single edge of one
     strength, kind : (n,) or None, per point
@@ -70,10 +74,11 @@ def lines_of_points(path, points, index, offsets, *, named, strength=None, kind=
     Raises NoCurves where no line has two different points.
     """
     named, offsets = np.asarray(named, bool), np.asarray(offsets, np.int64)
+    index = slice(None) if index is None else index
     placed = points[index]
-    inside = np.ones(max(len(index) - 1, 0), bool)
+    inside = np.ones(max(len(placed) - 1, 0), bool)
     ends = offsets[1:-1]
-    inside[ends[(ends > 0) & (ends < len(index))] - 1] = False
+    inside[ends[(ends > 0) & (ends < len(placed))] - 1] = False
     if not (inside & (placed[1:] != placed[:-1]).any(axis=1)).any():
         raise NoCurves(f"{path}: no curve has two different points; export edges or polylines")
     source = np.where(named, np.cumsum(named) - 1, -1)

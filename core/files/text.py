@@ -63,7 +63,7 @@ def without_mark(data) -> bytes:
     return data
 
 
-BLOCK = 1 << 20
+BLOCK = 1 << 18
 """Bytes of text that are cut into words at once: words take ten times the memory of their text."""
 
 
@@ -73,7 +73,7 @@ def blocks(data, begin=0):
     Each ends with a line, and with what it goes on with after a backslash.
     """
     while begin < len(data):
-        end = data.find(b"\n", begin + BLOCK) + 1
+        end = (data.find(b"\n", begin + BLOCK) + 1) or (data.find(b"\r", begin + BLOCK) + 1)
         while end and data[max(begin, end - 200) : end].rstrip().endswith(b"\\"):
             end = data.find(b"\n", end) + 1
         end = end or len(data)
@@ -81,9 +81,18 @@ def blocks(data, begin=0):
         begin = end
 
 
-def load_lines(path) -> list[bytes]:
-    """The lines of a text file; InputError where it holds binary data."""
-    return load_text(path).splitlines()
+def rows_of(path):
+    """Lines of a text file that are neither empty nor begin with #, block by block: lists of them and their numbers.
+
+    Raises InputError where it holds binary data.
+    """
+    before = 0
+    for block in blocks(load_text(path)):
+        lines = block.splitlines()
+        kept = [i for i, line in enumerate(lines) if line.strip() and not line.lstrip().startswith(b"#")]
+        if kept:
+            yield [lines[i] for i in kept], [before + i + 1 for i in kept]
+        before += len(lines)
 
 
 def parse_numbers(path, rows, numbers, dtype=float) -> np.ndarray:

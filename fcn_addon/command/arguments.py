@@ -4,7 +4,8 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import fields
+import re
+from dataclasses import dataclass, fields
 from math import isfinite
 from typing import NoReturn
 
@@ -68,7 +69,8 @@ def parser(prog) -> argparse.ArgumentParser:
     ).add_mutually_exclusive_group()
     length.add_argument(
         "--edge-length", "--edge_length", type=_edge_length, metavar="H",
-        help="mean edge length of the scan that the curves come from [scene units]",
+        help="mean edge length of the scan that the curves come from [units of its coordinates; of a scene or a drawing"
+        " that has a unit also as 5cm, 0.2in]",
     )  # fmt: skip
     length.add_argument("--surface", metavar="SCAN", help="that scan; only its mean edge length is taken")
     made.add_argument(
@@ -147,8 +149,34 @@ def _weld(word) -> float:
     return value
 
 
-def _edge_length(word) -> float:
-    value = _number(word)
+SIZES = {"mm": 0.001, "cm": 0.01, "dm": 0.1, "m": 1.0, "km": 1000.0, "in": 0.0254, "ft": 0.3048, "yd": 0.9144}
+"""Metres of the units that an edge length may have."""
+
+
+@dataclass(frozen=True)
+class Length:
+    """A length as it was given: a number, and the metres of its unit, None where it is that of the coordinates."""
+
+    number: float
+    unit: float | None
+
+    def among(self, metres) -> float:
+        """The length in units of coordinates that are `metres` long. Raises InputError where that is None."""
+        if self.unit is None:
+            return self.number
+        if metres is None:
+            raise InputError(
+                "--edge-length has a unit, but the inputs have none; give the number alone, in their coordinates"
+            )
+        return self.number * self.unit / metres
+
+
+def _edge_length(word) -> Length:
+    found = re.fullmatch(r"(.*?)\s*([a-z]*)", word.strip(), re.DOTALL)
+    number, unit = found.groups() if found else (word, "")
+    if unit not in SIZES:
+        number, unit = word, ""
+    value = _number(number)
     if not (isfinite(value) and value > 0):
-        raise argparse.ArgumentTypeError(f"{word} is no length; give a number above 0 in scene units")
-    return value
+        raise argparse.ArgumentTypeError(f"{word} is no length; give a number above 0 in units of the coordinates")
+    return Length(value, SIZES.get(unit))

@@ -23,7 +23,7 @@ from ..scans import Scan
 from ..scene import importers, origin
 from ..scene.families import within
 from ..scene.libraries import require_libraries
-from ..scene.units import unit_length
+from ..scene.units import metres, unit_length
 from ..shifts import moved_completion, moved_curves, moved_fitted, shift_for
 
 GEOMETRY = {*reader.CURVE_TYPES, "MESH", "SURFACE", "META"}
@@ -56,16 +56,23 @@ def read(path, choice=None, say=lambda line: None):
     choice = choice or Choice()
     if not os.path.isfile(path):
         raise InputError(f"{path}: no such file; check the path")
-    _open(path)
+    remark = _open(path)
     try:
         require_libraries()
         found, skipped = _of_scene(path, choice)
         shift = origin.of(bpy.context.scene)
     except InputError as error:
         raise type(error)(f"{path}: {error}") from None
+    if remark:
+        say(remark)
     if skipped:
         say(f"{path}: {skipped.line()}")
     return [_moved(part, shift) for part in found], skipped, shift
+
+
+def unit():
+    """How many metres a unit of the open scene is, None where it has none, and what words a length in it."""
+    return metres(bpy.context.scene), unit_length(bpy.context.scene)
 
 
 def _moved(part, shift):
@@ -75,16 +82,17 @@ def _moved(part, shift):
     return replace(part, curves=moved_curves(part.curves, shift))
 
 
-def _open(path):
+def _open(path) -> str:
+    """Open or import a file; what is to be said of it."""
     if Path(path).suffix.lower() != ".blend":
-        importers.open_file(path)
-        return
+        return importers.open_file(path)
     try:
         # Scripts in the file stay off: it may come from anywhere.
         bpy.ops.wm.open_mainfile(filepath=str(Path(path).resolve()), load_ui=False, use_scripts=False)
     except RuntimeError as error:
         reason = " ".join(str(error).removeprefix("Error:").split())
         raise InputError(f"{path}: Blender cannot open it ({reason}); was it cut off?") from None
+    return ""
 
 
 def _of_scene(path, choice):

@@ -3,12 +3,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 from ...core.errors import InputError, NoCurves
 from ...core.files import formats
+from ...core.files.reading import METRES
 from ..scans import Scan
+
+
+@dataclass(frozen=True)
+class Unit:
+    """metres : how long one unit of the coordinates is, None where that is not known; words : a length -> its words"""
+
+    metres: float | None
+    words: Callable
 
 
 @dataclass(frozen=True)
@@ -17,11 +27,19 @@ class Inputs:
 
     left_out : rows of the report
     shift : (3,), where the origin of the first scene lies, None where no input is a scene
+    unit : Unit of the first scene, None where no input is a scene
     """
 
     parts: list
     left_out: list
     shift: object = None
+    unit: Unit | None = None
+
+    @property
+    def dxf_units(self) -> int:
+        """DXF's code of the unit of the first scene, 0 where it has none that DXF knows."""
+        size = self.unit.metres if self.unit else None
+        return next((code for code, known in METRES.items() if size and abs(size / known - 1) < 1e-5), 0)
 
 
 def read(options, say) -> Inputs:
@@ -35,26 +53,27 @@ def read(options, say) -> Inputs:
     for name in ("object", "collection", "hidden"):
         if getattr(options, name) and not any(map(formats.is_blenders, options.input)):
             raise InputError(f"--{name} chooses from a .blend file or another scene; give one, or leave it out")
-    rows, shifts = [], []
+    rows, scenes = [], []
 
     def parts(path):
         if not formats.is_blenders(path):
             return [_read(path, options.take_edges, say)]
-        found, skipped, shift = _read_scene(path, options, say)
-        shifts.append(shift)
+        found, skipped, *scene = _read_scene(path, options, say)
+        scenes.append(scene)
         rows.extend({"file": str(path), **row} for row in skipped.rows())
         return found
 
     found = [part for every in each(options.input, parts, say) for part in every]
     _check(options, found)
-    return Inputs(found, rows, shifts[0] if shifts else None)
+    return Inputs(found, rows, *(scenes[0] if scenes else ()))
 
 
 def _read_scene(path, options, say):
     from . import blend_file
 
     choice = blend_file.Choice(tuple(options.object), tuple(options.collection), options.hidden, options.take_edges)
-    return blend_file.read(path, choice, say)
+    found, skipped, shift = blend_file.read(path, choice, say)
+    return found, skipped, shift, Unit(*blend_file.unit())
 
 
 def surface(path):

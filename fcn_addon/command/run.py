@@ -6,12 +6,13 @@ from __future__ import annotations
 import signal
 import time
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 from ...core.errors import Cancelled, InputError
 from ...core.files.formats import is_blenders, mean_edge_length
 from ...core.files.readers.dxf import require_ezdxf
-from ...core.files.reading import UNITS, concatenate
+from ...core.files.reading import METRES, UNITS, concatenate
 from .. import installation, scans
 from . import arguments, inputs, writing
 from .figure import figure
@@ -50,19 +51,19 @@ def _run(options, terminal):
         given = inputs.read(options, terminal.say)
         seconds = {"read": time.perf_counter() - began}
         began = time.perf_counter()
-        parts, detected = _detect(given.parts, detection, kinds, terminal)
+        parts, detected = _detect(given, detection, kinds, terminal)
         seconds["detect"] = time.perf_counter() - began
         if options.detect_only:
             said = writing.write_detected(detected, detection, kinds, seconds, wanted, outputs, _name(options), given)
         else:
             reading = concatenate(parts)
-            edge_length, origin = _edge_length(options, reading)
+            reading = replace(reading, units=reading.units or given.dxf_units)
+            edge_length, origin = _edge_length(options, reading, given)
             if len(detected) < len(parts):  # detected curves meet where they meet
                 reading = _joined(reading, options.weld * edge_length)
-            unit = f" {UNITS[reading.units]}" if reading.units in UNITS else ""
             terminal.say(
                 f"{reading.count} curves, {len(reading.curves.points)} points, "
-                f"edge length {edge_length:.4g}{unit} ({origin})"
+                f"edge length {_worded(edge_length, reading.units, given)} ({origin})"
             )
             completion = _complete(reading.curves, edge_length, parameters, terminal)
             fitted = _fitted(completion, reading, parameters)
@@ -77,8 +78,8 @@ def _run(options, terminal):
     terminal.say(said + writing.written(wanted))
 
 
-def _detect(parts, parameters, kinds, terminal):
-    """The readings of all parts, and what was Detected in those that are scans."""
+def _detect(given, parameters, kinds, terminal):
+    """The readings of all parts of Inputs, and what was Detected in those that are scans."""
     detected = []
 
     def read(part):
@@ -87,14 +88,14 @@ def _detect(parts, parameters, kinds, terminal):
         found = scans.detect(part, parameters, kinds, terminal.progress)
         terminal.say(
             f"{part.name}: {len(found.found)} feature curves on {found.faces} faces, "
-            f"edge length {found.edge_length:.4g}, smoothed by {found.found.detail:.2g} of it"
+            f"edge length {_worded(found.edge_length, 0, given)}, smoothed by {found.found.detail:.2g} of it"
         )
         for remark in found.remarks:
             terminal.say(f"{part.name}: {remark}")
         detected.append(found)
         return found.reading
 
-    return inputs.each(parts, read, terminal.say), detected
+    return inputs.each(given.parts, read, terminal.say), detected
 
 
 def _wanted(options) -> dict:
@@ -114,12 +115,23 @@ def _wanted(options) -> dict:
     return wanted
 
 
-def _edge_length(options, reading):
+def _worded(edge_length, units, given) -> str:
+    """An edge length as a number in the coordinates, and with the unit that a drawing or a scene has.
+
+    units : DXF's code of the unit, 0 where it is not known
+    """
+    if given.unit is not None and given.unit.metres:
+        return f"{edge_length:.4g}, {given.unit.words(edge_length)} in the scene"
+    return f"{edge_length:.4g} {UNITS[units]}" if units in UNITS else f"{edge_length:.4g}"
+
+
+def _edge_length(options, reading, given):
     """The edge length in scene units, and in words where it is from."""
     if options.surface:
         return mean_edge_length(*inputs.surface(options.surface)), f"mean edge of {Path(options.surface).name}"
     if options.edge_length:
-        return options.edge_length, "as given"
+        metres = METRES.get(reading.units) if given.unit is None else given.unit.metres
+        return options.edge_length.among(metres), "as given"
     if reading.edge_length:
         return reading.edge_length, "mean edge of the scan"
     installation.require_scipy()

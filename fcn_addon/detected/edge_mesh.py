@@ -8,6 +8,7 @@ import numpy as np
 
 from .. import colours
 from ..scene.curve_data import EDGE_LENGTH, KIND, NORMAL, STRENGTH, fill_mesh
+from ..shifts import held, held_middle
 
 
 def make(name, found, shift=(0.0, 0.0, 0.0)):
@@ -19,14 +20,14 @@ def make(name, found, shift=(0.0, 0.0, 0.0)):
     """
     made = []
     try:
-        centre = middle(found.curves.points)
+        shift = np.asarray(shift, float)
+        place = held(middle(found.curves.points) - shift)
+        centre = place + shift
         data = mesh(name, found, centre)
         made.append(data)
         item = bpy.data.objects.new(name, data)
         made.append(item)
-        item.matrix_world = np.block(
-            [[np.eye(3), np.zeros((3, 1))], [centre - np.asarray(shift), 1.0]]
-        ).tolist()  # columns
+        item.matrix_world = np.block([[np.eye(3), np.zeros((3, 1))], [place, 1.0]]).tolist()  # columns
         item.color = (*colours.DETECTED, 1.0)
         item.show_wire = True
         item[EDGE_LENGTH] = found.edge_length
@@ -72,5 +73,5 @@ def holds(data, found, centre) -> bool:
 
 
 def middle(points) -> np.ndarray:
-    """(3,) float64, of the bounding box; zero where there is no point."""
-    return 0.5 * (points.min(axis=0) + points.max(axis=0)) if len(points) else np.zeros(3)
+    """(3,) float64, about that of the bounding box, as an object can stand there; zero where there is no point."""
+    return held_middle(points) if len(points) else np.zeros(3)

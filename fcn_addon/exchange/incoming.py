@@ -13,7 +13,7 @@ from .. import colours
 from ..installation import require_scipy
 from ..scene import origin
 from ..scene.curve_data import EDGE_LENGTH, STRENGTH, mesh_data
-from ..shifts import moved_curves
+from ..shifts import held_middle, moved_curves
 
 
 def add(context, path):
@@ -34,7 +34,7 @@ def patterns() -> str:
 
 def add_curves(context, name, curves, edge_length=None):
     """Curves as an edge mesh about their middle, selected and active in the collection of the context."""
-    centre = 0.5 * (curves.points.min(axis=0) + curves.points.max(axis=0))
+    centre = held_middle(curves.points)
     mesh = mesh_data(name, curves, curves.points - centre)
     if curves.strength is not None:
         strength = mesh.attributes.new(STRENGTH, "FLOAT", "POINT")

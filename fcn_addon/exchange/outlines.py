@@ -16,7 +16,7 @@ from ...core.fitting.recognised import recognised
 from ...core.geometry.chains import chains_of_edges
 from .. import colours
 from ..result import selection
-from ..scene.curve_data import bezier_path, spline_points
+from ..scene.curve_data import OFFSET, bezier_path, spline_points, twin
 from ..scene.families import children
 
 RIGID = 1e-4
@@ -24,8 +24,12 @@ RIGID = 1e-4
 
 
 def matrix_of(item) -> np.ndarray:
-    """(4, 4) float64, where an object stands in the scene."""
-    return np.array(item.matrix_world, float)
+    """(4, 4) float64, where an object stands in the scene; occurrences that are far, finer than single precision."""
+    matrix = np.array(item.matrix_world, float)
+    offset = item.get(OFFSET)
+    if offset is not None:
+        matrix[:3, 3] += matrix[:3, :3] @ np.array(offset, float)
+    return matrix
 
 
 def occurrences(objects) -> list:
@@ -98,7 +102,7 @@ def _grouped(objects):
             continue
         inverse = np.linalg.inv(pose)
         relative = [inverse @ matrix_of(part) for part in parts]
-        key = holder["template"], tuple(_key(part, pose, m) for part, m in zip(parts, relative))
+        key = holder["template"], tuple(_key(part, holder, pose, m) for part, m in zip(parts, relative))
         group = groups.setdefault(key, [holder, list(zip(parts, relative)), []])
         group[2].append(pose)
     with_empty = {part for family in families.values() for part in family}
@@ -106,14 +110,18 @@ def _grouped(objects):
     return list(groups.values()), loose
 
 
-def _key(part, pose, relative):
+def _key(part, holder, pose, relative):
     """What two parts have in common that are drawn alike: their data, and where they stand in their occurrence.
 
-    That differs by single precision at the place of the occurrence.
+    That differs by single precision at the place of the occurrence; where it has an offset, not at all.
     """
-    grain = np.full((4, 4), 1e-3)
-    grain[:3, 3] = 1e-4 * max(np.abs(pose[:3, 3]).max(), 1.0)
-    return part.data.name, tuple((np.round((relative - np.eye(4)) / grain) + 0.0).ravel())
+    away, grain, far = relative - np.eye(4), np.full((4, 4), 1e-3), np.abs(pose[:3, 3]).max()
+    if OFFSET in holder:
+        away[:3, 3] += holder[OFFSET]
+        grain[:3, 3] = np.spacing(np.float32(far))
+    else:
+        grain[:3, 3] = 1e-4 * max(far, 1.0)
+    return twin(part.data) or part.data.name, tuple((np.round(away / grain) + 0.0).ravel())
 
 
 def _is_rigid(matrix) -> bool:

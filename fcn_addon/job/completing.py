@@ -22,7 +22,7 @@ from ..reading import reader
 from ..reading.left_out import LeftOut
 from ..reading.visibility import shown
 from ..result import stored, templates, views, writer
-from ..scene import origin
+from ..scene import libraries, origin
 from ..scene.identity import Identity
 from ..scene.units import unit_length
 from . import chosen
@@ -61,6 +61,7 @@ def take(context, hidden=True) -> Task:
     if why:
         raise InputError(why)
     objects = chosen.chosen(context)
+    libraries.require_of(objects)
     with shown(context, objects if hidden else ()):
         depsgraph = context.evaluated_depsgraph_get()
         read = reader.read_curves(objects, depsgraph, take_edges=context.scene.fcn.take_edges, quiet=not hidden)

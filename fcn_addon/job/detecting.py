@@ -19,6 +19,7 @@ from ..installation import require_scipy
 from ..properties import from_parameters
 from ..properties import settings as of_scene
 from ..reading import reader, working_copy
+from ..scene import libraries
 from ..scene.identity import Identity
 from ..wording import LEAVE_EDIT_MODE
 from .session import RunKind
@@ -88,6 +89,7 @@ def take(context, complete=False) -> Task:
     if why:
         raise InputError(why)
     item, settings = scan_of(context), context.scene.fcn.detection
+    libraries.require_of([item])
     parameters = from_parameters.read(settings, DetectionParameters)
     method = of_scene.parameters(context.scene.fcn.parameters) if complete else None
     points, triangles = working_copy.read(item, context, settings.faces if settings.use_copy else None)

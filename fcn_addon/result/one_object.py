@@ -11,6 +11,7 @@ from .. import colours
 from ..reading import reader
 from ..scene import curve_data
 from ..scene.families import within
+from ..shifts import held_middle
 from . import stored
 
 LABELS = ("template", "component", "occurrence")
@@ -39,7 +40,7 @@ def make(root, context, kind):
     values = {"support": support, **{n: np.array([o[n] for o in objects], np.int32) for n in LABELS}}
     owner = read.owner[curves.source]
     values = {name: every[owner] for name, every in values.items()}
-    centre = 0.5 * (curves.points.min(axis=0) + curves.points.max(axis=0))
+    centre = held_middle(curves.points)
     data = MAKERS[kind](f"{root.fcn_result.source} completed", curves, curves.points - centre, values)
     return _link(data, centre, context)
 
@@ -53,9 +54,9 @@ def _link(data, centre, context):
 
 
 def _middle(objects):
-    """(3,) float64, the middle of the places of objects: far from the origin, float32 holds what is near it."""
+    """(3,) float64, about the middle of the places of objects: far from the origin, float32 holds what is near it."""
     places = np.array([item.matrix_world.translation for item in objects], float)
-    return 0.5 * (places.min(axis=0) + places.max(axis=0))
+    return held_middle(places)
 
 
 def _splines(name, objects):

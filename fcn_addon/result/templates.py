@@ -11,6 +11,7 @@ from bpy.props import BoolProperty, FloatProperty, FloatVectorProperty, IntPrope
 from bpy.types import PropertyGroup
 
 from .. import colours
+from ..scene.curve_data import TWIN
 from ..scene.families import children, within
 from ..wording import letters
 from . import views
@@ -55,7 +56,7 @@ def _renamed(row, _context):
         if PART in item:
             part = item.data.get("part", 0)
             if "unique" not in item:
-                _call(item.data, f"{row.name} {part + 1}")
+                _call(item.data, f"{row.name} {part + 1}" + (f" at {place}" if TWIN in item.data else ""))
             _call(item, f"{row.name} {part + 1} at {place}")
         else:
             _call(item, f"{row.name} at {place}")

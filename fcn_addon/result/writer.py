@@ -20,10 +20,16 @@ import numpy as np
 from ...core.report import moved
 from ...core.values import Curves
 from .. import colours
-from ..scene.curve_data import bezier_data, curve_data, mesh_data
+from ..scene.curve_data import DIGEST, OFFSET, TWIN, bezier_data, curve_data, digest, mesh_data
+from ..scene.origin import STEP
 from ..scene.units import unit_length
+from ..shifts import held, held_middle
 from ..wording import letters, titles
 from .views import ROLE
+
+COARSE = 0.01
+"""How far an occurrence may be from where it was computed, in edge lengths, since Blender's matrices are rounded.
+Beyond that, far from the origin, each occurrence has curves of its own, about a place that a matrix does hold."""
 
 FORMS = (
     ("HANDLES", "Curves with Handles", "Bezier curves of few points: lines, arcs and what lies between, with handles"),
@@ -62,29 +68,11 @@ def write(completion, curves, *, source, scene, length=None, fitted=None, form="
     return root
 
 
-class _Writer:
-    """Makes the data of one result; `made` collects all of it."""
+class _Maker:
+    """Makes collections, objects and curves of one form; `made` collects all of it."""
 
-    def __init__(self, made, completion, curves, fitted, form, names):
-        self.made, self.names = made, names
-        self.fitted, self.form = fitted, form
-        self.completion = completion
-        self.curves = curves
-        self.components = {}
-
-    def write(self, source, length):
-        root = self._collection(f"FCN {source}"[:63])
-        self._input(self._role("Input", root, hidden=True))
-        templates = self._role("Templates", root)
-        components = self._role("Components", root)
-        self._templates(templates, titles(self.completion.transformations, length))
-        self._components(components)
-        self._strong(self._role("Strong", root))
-        noise = self._role("Noise", root, hidden=True)
-        pieces = np.flatnonzero(self.completion.inputs.kind == "noise")
-        if len(pieces):
-            self._pieces("Noise", pieces, noise, colours.NOISE)
-        return root
+    def __init__(self, made, form):
+        self.made, self.form = made, form
 
     def _collection(self, name, parent=None, hidden=False):
         collection = bpy.data.collections.new(name)
@@ -120,10 +108,38 @@ class _Writer:
         self.made.append(data)
         return data
 
+
+class _Writer(_Maker):
+    """Makes the data of one result."""
+
+    def __init__(self, made, completion, curves, fitted, form, names):
+        super().__init__(made, form)
+        self.names, self.fitted = names, fitted
+        self.completion = completion
+        self.curves = curves
+        self.components = {}
+        self.step = 0.0
+
+    def write(self, source, length):
+        root = self._collection(f"FCN {source}"[:63])
+        self._input(self._role("Input", root, hidden=True))
+        templates = self._role("Templates", root)
+        components = self._role("Components", root)
+        self._templates(templates, titles(self.completion.transformations, length))
+        self._components(components)
+        self._strong(self._role("Strong", root))
+        noise = self._role("Noise", root, hidden=True)
+        pieces = np.flatnonzero(self.completion.inputs.kind == "noise")
+        if len(pieces):
+            self._pieces("Noise", pieces, noise, colours.NOISE)
+        if self.step:
+            root[STEP] = self.step
+        return root
+
     def _input(self, collection):
         """The input as one edge mesh, about its own centre, so that float32 holds it far from the origin too."""
         curves = self.curves
-        centre = _centre(curves.points)
+        centre = held_middle(curves.points)
         mesh = mesh_data("Input", curves, curves.points - centre)
         self.made.append(mesh)
         size = np.diff(curves.offsets)
@@ -140,36 +156,57 @@ class _Writer:
         for id, home in homes.items():
             home["transformation"] = int(id)
         for t, template in enumerate(self.completion.templates):
-            fits = [None] * len(template.curves) if self.fitted is None else self.fitted.templates[t]
             home = homes[template.transformation]
             # The empties stand in the middle of what they hold; the template's space may be far from it.
-            centre = _centre(np.concatenate([c.points for c in template.curves]))
-            parts = [
-                (curve, self._curve(f"{self._name(t)} {i + 1}", curve, fit, centre))
-                for i, (curve, fit) in enumerate(zip(template.curves, fits))
-            ]
-            for i, (_, data) in enumerate(parts):
-                data["part"] = i
-            for occurrence, motion in enumerate(template.occurrences):
-                self._occurrence(template, occurrence, motion, centre, parts, home, self._name(t))
+            centre = held_middle(np.concatenate([c.points for c in template.curves]))
+            poses = np.array(template.occurrences, float)
+            poses[:, :3, 3] = [moved(centre, pose) for pose in poses]
+            off = poses[:, :3, 3] - held(poses[:, :3, 3])
+            is_far = np.abs(off).max() > COARSE * self.completion.edge_length
+            parts = None if is_far else self._parts(t, centre)
+            for occurrence, pose in enumerate(poses):
+                if is_far:
+                    offset = pose[:3, :3].T @ off[occurrence]
+                    pose[:3, 3] = held(pose[:3, 3])
+                    parts = self._parts(t, centre - offset, f" at {occurrence + 1}")
+                holder = self._holder(template, occurrence, pose, centre, home, self._name(t))
+                if is_far:
+                    holder[OFFSET] = offset.tolist()
+                    self.step = max(self.step, float(np.spacing(np.abs(pose[:3, 3]).max().astype(np.float32))))
+                self._occurrence(template, holder, pose, parts, home, self._name(t))
 
     def _name(self, t):
         """What template number t of the completion is called."""
         return self.names.get(self.completion.templates[t].id, f"Template {letters(t)}")
 
-    def _occurrence(self, template, occurrence, motion, centre, parts, home, name):
+    def _parts(self, t, centre, place=""):
+        """The curves of template number t about a centre, and their data; of one occurrence if its `place` is named."""
+        template, name, made = self.completion.templates[t], self._name(t), []
+        fits = [None] * len(template.curves) if self.fitted is None else self.fitted.templates[t]
+        for i, (curve, fit) in enumerate(zip(template.curves, fits)):
+            data = self._curve(f"{name} {i + 1}{place}", curve, fit, centre)
+            data["part"] = i
+            if place:
+                data[TWIN], data[DIGEST] = f"{template.id} {i}", digest(data)
+            made.append((curve, data))
+        return made
+
+    def _holder(self, template, occurrence, pose, centre, home, name):
         holder = self._object(f"{name} at {occurrence + 1}", None, home)
-        matrix = np.array(motion, float)
-        matrix[:3, 3] = moved(centre, matrix)
-        place = matrix.T.tolist()  # nested sequences are columns here
-        holder.matrix_world = place
-        back = np.linalg.inv(matrix).T.tolist()
+        holder.matrix_world = pose.T.tolist()  # nested sequences are columns here
         holder.empty_display_size = 0.1 * max(_radius(template, centre), 1e-6)
         holder["template"], holder["occurrence"] = int(template.id), occurrence
+        return holder
+
+    def _occurrence(self, template, holder, pose, parts, home, name):
+        occurrence, place, back = holder["occurrence"], pose.T.tolist(), np.linalg.inv(pose).T.tolist()
         for (curve, data), support in zip(parts, template.evidence[occurrence].tolist()):
             part = self._object(f"{name} {data['part'] + 1} at {occurrence + 1}", data, home, colours.TEMPLATE)
-            # Each has the occurrence as its own matrix, so that it stays where it is if the empty is deleted.
-            part.parent, part.matrix_parent_inverse, part.matrix_basis = holder, back, place
+            part.parent = holder
+            if OFFSET not in holder:
+                # Each has the occurrence as its own matrix, so that it stays where it is if the empty is deleted. Far
+                # from the origin a matrix times its inverse is not one in single precision.
+                part.matrix_parent_inverse, part.matrix_basis = back, place
             part["template"], part["occurrence"] = int(template.id), occurrence
             part["component"], part["support"] = int(curve.component), support
             if curve.component >= 0:
@@ -190,7 +227,7 @@ class _Writer:
 
     def _strong(self, collection):
         for i, curve in enumerate(self.completion.strong):
-            centre = _centre(curve.points)
+            centre = held_middle(curve.points)
             data = self._curve(f"Strong {i}", curve, self.fitted.strong[i] if self.fitted else None, centre)
             made = self._object(data.name, data, collection, colours.STRONG)
             _place(made, centre)
@@ -200,7 +237,7 @@ class _Writer:
     def _pieces(self, name, pieces, collection, colour):
         """Input curves as one object."""
         polylines = [self.curves.curve(i) for i in pieces]
-        centre = _centre(np.concatenate(polylines))
+        centre = held_middle(np.concatenate(polylines))
         data = curve_data(name, [p - centre for p in polylines], self.curves.closed[pieces])
         self.made.append(data)
         made = self._object(name, data, collection, colour)
@@ -213,11 +250,6 @@ def _place(item, centre):
     matrix = np.eye(4)
     matrix[3, :3] = centre
     item.matrix_world = matrix.tolist()
-
-
-def _centre(points) -> np.ndarray:
-    """(3,) float64, the middle of the bounding box."""
-    return 0.5 * (points.min(axis=0) + points.max(axis=0))
 
 
 def _radius(template, centre) -> float:

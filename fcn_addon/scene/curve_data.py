@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import hashlib
+
 import bpy
 import numpy as np
 
@@ -11,6 +13,9 @@ from ...core.fitting.primitives import bernstein
 STRENGTH = "curvature"  # a float attribute of the points, 1 / length
 KIND = "kind"  # an int attribute of the points of detected curves, index into core.detection.KINDS
 NORMAL = "surface_normal"  # a vector attribute of theirs, the normal of the scan
+OFFSET = "fcn_offset"  # of an occurrence's empty: how far its curves lie from it, in its own axes, double precision
+TWIN = "fcn_twin"  # of curve data far from the origin: which part of which template they are a copy of
+DIGEST = "fcn_digest"  # of such data: what tells whether they were edited
 EDGE_LENGTH = "edge_length"  # a custom property of detected curves: the mean edge length of their scan
 
 
@@ -103,6 +108,25 @@ def _read(spline, name):
     row = np.empty(3 * len(spline.bezier_points), np.float32)
     spline.bezier_points.foreach_get(name, row)
     return row.reshape(-1, 3).astype(float)
+
+
+def digest(data) -> str:
+    """What changes when the curves of curve data or of an edge mesh are edited."""
+    found = hashlib.blake2b(digest_size=16)
+    if hasattr(data, "vertices"):
+        values = np.empty(3 * len(data.vertices), np.float32)
+        data.vertices.foreach_get("co", values)
+        found.update(values.tobytes())
+        return found.hexdigest()
+    for spline in data.splines:
+        values = bezier_path(spline) if spline.type == "BEZIER" else spline_points(spline)
+        found.update(values.tobytes())
+    return found.hexdigest()
+
+
+def twin(data) -> str | None:
+    """Which part of a template curve data are, where each occurrence has its own and they are as they were made."""
+    return data[TWIN] if TWIN in data and data.get(DIGEST) == digest(data) else None
 
 
 def mesh_data(name, curves, points):

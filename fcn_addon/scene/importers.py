@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import io
+import json
 from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 
@@ -25,19 +26,45 @@ OPERATORS = {
 }
 
 
-def open_file(path):
-    """Import a file into an empty scene. Raises InputError where Blender cannot."""
+def open_file(path) -> str:
+    """Import a file into an empty scene; what is to be said of it. Raises InputError where Blender cannot."""
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     run = _operator(path, Path(path).suffix.lower())
     try:
         with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):  # they say a lot
             done = run(filepath=str(Path(path).resolve()))
     except Exception as error:  # the importers are scripts, and raise whatever a broken file makes them
-        reason = " ".join(str(error).removeprefix("Error:").split()) or type(error).__name__
-        raise InputError(f"{path}: Blender cannot import it ({reason}); was it cut off?") from None
+        reason = _words(error)
+        raise InputError(
+            f"{path}: Blender cannot import it ({reason}); check that it is whole, and the files that it names"
+        ) from None
     if "FINISHED" not in done:
         raise InputError(f"{path}: Blender cannot import it; open it in Blender to see why")
     bpy.context.view_layer.update()
+    count = _gltf_scenes(path)
+    if count > 1 and not any(layer.exclude for layer in bpy.context.view_layer.layer_collection.children):
+        return f"{path} has {count} scenes, and this Blender shows them as one; --object takes a part of them"
+    return ""
+
+
+def _words(error) -> str:
+    """What an importer says is wrong: of a traceback, which is how a script of Blender's fails, what was raised."""
+    text = str(error).removeprefix("Error:").strip()
+    if "Traceback (most" in text:
+        lines = [line for line in text.splitlines() if line[:1].strip() and not line.startswith("Location:")]
+        text = lines[-1] if len(lines) > 1 else type(error).__name__
+    return " ".join(text.split()) or type(error).__name__
+
+
+def _gltf_scenes(path) -> int:
+    """How many scenes a glTF file has, 0 for other files. Newer versions of Blender hide all but one."""
+    ending = Path(path).suffix.lower()
+    if ending not in (".glb", ".gltf"):
+        return 0
+    data = Path(path).read_bytes()
+    if ending == ".glb":  # a header of 12 bytes, then the length and the kind of the part that is JSON
+        data = data[20 : 20 + int.from_bytes(data[12:16], "little")]
+    return len(json.loads(data.decode("utf-8-sig")).get("scenes", ()))
 
 
 def _operator(path, ending):

@@ -6,6 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 SHIFT = "fcn_shift"  # of a scene and of a result's collection: what is added to its coordinates, double precision
+STEP = "fcn_step"  # of a result far from the origin of its scene: the step of single precision there
 CRS = "crs x", "crs y"  # of a scene of BlenderGIS: the same, along two axes
 
 

@@ -10,12 +10,15 @@ from ..wording import plain_length
 
 def unit_length(scene):
     """A function that words a length in the units of a scene."""
-    units = scene.unit_settings
-    if units.system == "NONE":
+    system, size = scene.unit_settings.system, scene.unit_settings.scale_length
+    if system == "NONE":
         return plain_length
-    return lambda value: bpy.utils.units.to_string(
-        units.system, "LENGTH", value * units.scale_length, precision=3, split_unit=False
-    )
+    return lambda value: bpy.utils.units.to_string(system, "LENGTH", value * size, precision=3, split_unit=False)
+
+
+def metres(scene):
+    """How many metres a unit of the coordinates of a scene is, None where it says that it has no unit."""
+    return None if scene.unit_settings.system == "NONE" else scene.unit_settings.scale_length
 
 
 def dxf_units(scene) -> int:

@@ -7,6 +7,7 @@ import bpy
 
 from ...fcn_addon.result import selection
 from ...fcn_addon.scene import focus
+from ...fcn_addon.scene.curve_data import OFFSET
 from ..base import Polled, enter_edit_mode
 
 
@@ -32,6 +33,8 @@ class FCN_OT_edit_template(Polled, bpy.types.Operator):
             self.report({"ERROR"}, "No curve of this occurrence is visible")
             return {"CANCELLED"}
         active = context.active_object if context.active_object in parts else parts[0]
+        if parts[0].parent is not None and OFFSET in parts[0].parent:
+            self.report({"WARNING"}, "So far from the origin occurrences share no curves: this one changes alone")
         selection.select(context, parts, active=active)
         focus.begin(context, context.scene.fcn.edit_alone)
         enter_edit_mode(self.bl_label)

@@ -5,24 +5,31 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
 from ...errors import InputError, NoCurves
 from ..reading import Reading, lines_of_points
 from ..text import LARGEST, load
-
-CURVES = ("LINE", "POLYLINE", "LWPOLYLINE", "SPLINE", "ARC", "CIRCLE", "ELLIPSE")
-"""Entities that are read; INSERT stands for those of its block."""
-
-SAGITTA = 5e-4
-"""How far a chord may lie off its arc, as a share of the size of the entity."""
+from .dxf_space import CURVES, Space, is_curve, points_of
 
 MOST = 2_000_000
-"""Entities and points that a drawing may come to when its blocks are put in: some refer to each other endlessly."""
+"""Entities that a drawing may come to when its blocks are put in, and points beside those that it has room for: some
+blocks refer to each other endlessly."""
+
+ROOM = 8
+"""Bytes of the file that a point takes at least; so all of them come to three times the file in memory."""
+
+BINARY = b"AutoCAD Binary DXF"
+
+EXTERNAL = 4 | 8
+"""Flags of a block that is another drawing; nothing of it is in the file."""
 
 DEEPEST = 50
 """Blocks in blocks; more go in a circle."""
+
+DWG = (b"AC1012", b"AC1014", b"AC1015", b"AC1018", b"AC1021", b"AC1024", b"AC1027", b"AC1032")
 
 
 def require_ezdxf():
@@ -42,56 +49,119 @@ def read_dxf(path) -> Reading:
 
     Its entities are pieces of curves, which become one by joining: no input curve has a name in the file.
     """
-    drawing = _open(path)
-    left_out, lines, count = Counter(), [], 0
+    drawing, space = _open(path)
     try:
+        lines, left_out = _shown(drawing, space)
         for entity in _Expansion(path, drawing, left_out).of(drawing.modelspace()):
-            lines.append(_points(entity))
-            count += len(lines[-1])
-            if count > MOST:
-                raise InputError(f"{path}: over {MOST} points with all blocks put in; simplify the drawing")
+            lines.add(points_of(entity))
+            if len(lines.points) > 3 * space.most:
+                raise InputError(f"{path}: over {space.most} points with all blocks put in; simplify the drawing")
     except InputError:
         raise
     except Exception as error:  # ezdxf raises whatever the damage leads to
         raise InputError(f"{path}: the drawing is damaged ({_words(error)}); save it again") from None
-    lines = [line for line in lines if len(line) > 1]
     told = ", ".join(f"{count} {name}" for name, count in sorted(left_out.items()))
-    if not lines:
-        hint = f"left out are {told}; show its layers, or explode it to lines" if told else f"draw {', '.join(CURVES)}"
-        raise NoCurves(f"{path}: no curves in its model space; {hint}")
-    points = np.concatenate(lines)
+    if not lines.sizes:
+        raise NoCurves(f"{path}: no curves in its model space; {_remedy(told)}")
+    points, offsets = lines.arrays()
     wrong = np.flatnonzero(~(np.abs(points) <= LARGEST).all(axis=1))
     if len(wrong):
         raise InputError(f"{path}: {points[wrong[0]]} is not finite or too large; remove the point from the drawing")
-    offsets = np.r_[0, np.cumsum([len(line) for line in lines])]
-    reading = lines_of_points(path, points, np.arange(len(points)), offsets, named=np.zeros(len(lines), bool))
+    reading = lines_of_points(path, points, None, offsets, named=np.zeros(len(offsets) - 1, bool))
     return replace(reading, left_out=told, units=int(drawing.units))
 
 
+def _remedy(told) -> str:
+    """What to do where nothing is left but what is told of."""
+    if not told:
+        return f"draw {', '.join(CURVES)}"
+    if "another drawing" in told:
+        remedy = "bind the other drawing into this one"
+    else:
+        remedy = "show its layers" if "hidden" in told else "explode it to lines"
+    return f"left out are {told}; {remedy}"
+
+
 def _open(path):
+    """The drawing without what is drawn in it, and the Space that has that.
+
+    A damaged one is given whole, with a Space of nothing: to mend it ezdxf needs all of it.
+    """
     ezdxf = require_ezdxf()
     from ezdxf import recover
 
-    data = load(path)
-    binary = data.startswith(b"AutoCAD Binary DXF")
-    if data[:6] in (b"AC1012", b"AC1014", b"AC1015", b"AC1018", b"AC1021", b"AC1024", b"AC1027", b"AC1032"):
-        raise InputError(f"{path}: this is a DWG file; save it as DXF")
-    if not binary and b"\0" in data[:65536]:
-        raise InputError(f"{path}: this is binary data, not a DXF file; check the file's format and its ending")
-    if b"EOF" not in data.rstrip()[-256:]:
-        raise InputError(f"{path}: this is no DXF file or it was cut off, it has no EOF at its end; save it again")
+    _check(path)
     try:
         try:
-            return ezdxf.readfile(path)
+            return _read(path)
+        except OverflowError:
+            raise InputError(f"{path}: over {_most(path)} points; simplify the drawing") from None
+        except InputError:
+            raise
         except Exception:  # whatever the damage leads to
             drawing, audit = recover.readfile(path)
+    except InputError:
+        raise
     except (ezdxf.DXFError, OSError) as error:
         raise InputError(f"{path}: this is no DXF file or it was cut off ({_words(error)}); save it again") from None
     except Exception as error:
         raise InputError(f"{path}: the drawing is damaged ({_words(error)}); save it again") from None
     if audit.has_errors:
         raise InputError(f"{path}: the drawing is damaged ({_words(audit.errors[0].message)}); save it again")
-    return drawing
+    return drawing, Space(_most(path))
+
+
+def _most(path) -> int:
+    """How many points a drawing may come to."""
+    return MOST + Path(path).stat().st_size // ROOM
+
+
+def _check(path):
+    """Raise InputError for what is no DXF file, or was cut off."""
+    data = load(path)
+    if data.startswith(DWG):
+        raise InputError(f"{path}: this is a DWG file; save it as DXF")
+    if not data.startswith(BINARY) and b"\0" in data[:65536]:
+        raise InputError(f"{path}: this is binary data, not a DXF file; check the file's format and its ending")
+    if b"EOF" not in data[-4096:].rstrip()[-256:]:
+        raise InputError(f"{path}: this is no DXF file or it was cut off, it has no EOF at its end; save it again")
+
+
+def _read(path):
+    from ezdxf.document import Drawing
+    from ezdxf.filemanagement import dxf_file_info
+    from ezdxf.lldxf.tagger import ascii_tags_loader, binary_tags_loader
+
+    space = Space(_most(path))
+    with open(path, "rb") as file:
+        if file.read(len(BINARY)) == BINARY:
+            return Drawing.load(space.passed_on(binary_tags_loader(load(path)))), space
+    with open(path, encoding=dxf_file_info(str(path)).encoding, errors="surrogateescape") as file:
+        return Drawing.load(space.passed_on(ascii_tags_loader(file))), space
+
+
+def _shown(drawing, space):
+    """What of a Space is shown in model space as Lines, and the Counter of what is left out."""
+    hidden, paper = _hidden(drawing), drawing.block_records.get("*Paper_Space").dxf.handle
+    model = drawing.block_records.get("*Model_Space").dxf.handle
+    drawn = Counter(space.lines.where)
+    left_out, dropped = Counter(), set()
+    for (name, layer, owner, is_paper, is_invisible), place in space.places.items():
+        if owner == paper or (owner != model and is_paper):
+            dropped.add(place)
+            continue
+        unseen = is_invisible or layer.lower() in hidden
+        count = space.others[place] + (drawn[place] if unseen else 0)
+        if count:
+            left_out[f"hidden {name}" if unseen else name] += count
+        if unseen:
+            dropped.add(place)
+    return space.lines.without(dropped), left_out
+
+
+def _hidden(drawing) -> set:
+    """Names of the layers that are off or frozen, in small letters."""
+    return {layer.dxf.name.lower() for layer in drawing.layers if layer.is_off() or layer.is_frozen()}
 
 
 def _words(error) -> str:
@@ -103,23 +173,30 @@ class _Expansion:
 
     def __init__(self, path, drawing, left_out):
         self._path, self._left_out, self._count = path, left_out, 0
-        self._hidden = {layer.dxf.name.lower() for layer in drawing.layers if layer.is_off() or layer.is_frozen()}
+        self._drawing, self._hidden = drawing, _hidden(drawing)
+        self._frozen = {layer.dxf.name.lower() for layer in drawing.layers if layer.is_frozen()}
 
-    def of(self, entities, depth=0):
-        """Yield the curve entities among these, those of blocks in world coordinates."""
+    def of(self, entities, depth=0, home="0"):
+        """Yield the curve entities among these, those of blocks in world coordinates.
+
+        home : the layer of the INSERT that they are of, on which lies what is on layer 0 of its block
+        """
         if depth > DEEPEST:
             raise InputError(f"{self._path}: its blocks refer to each other in a circle; save the drawing again")
         for entity in entities:
             self._count += 1
             if self._count > MOST:
                 raise InputError(f"{self._path}: over {MOST} entities with all blocks put in; simplify the drawing")
-            name = entity.dxftype()
-            if entity.dxf.get("invisible", 0) or entity.dxf.get("layer", "0").lower() in self._hidden:
+            name, layer = entity.dxftype(), entity.dxf.get("layer", "0").lower()
+            layer = home if layer == "0" else layer
+            # Off hides what is on the layer, frozen also what an INSERT on it brings from others.
+            if entity.dxf.get("invisible", 0) or layer in (self._frozen if name == "INSERT" else self._hidden):
                 self._left_out[f"hidden {name}"] += 1
             elif name == "INSERT":
                 for one in self._single(entity):
-                    yield from self.of(one.virtual_entities(skipped_entity_callback=self._skipped), depth + 1)
-            elif name in CURVES and not (name == "POLYLINE" and not (entity.is_2d_polyline or entity.is_3d_polyline)):
+                    inside = one.virtual_entities(skipped_entity_callback=self._skipped)
+                    yield from self.of(inside, depth + 1, layer)
+            elif is_curve(entity):
                 yield entity
             else:
                 self._left_out[name] += 1
@@ -127,23 +204,11 @@ class _Expansion:
     def _single(self, entity):
         if entity.mcount > MOST:
             raise InputError(f"{self._path}: an INSERT of {entity.mcount} copies; simplify the drawing")
+        block = self._drawing.blocks.get(entity.dxf.get("name", ""))
+        if block is None or block.block.dxf.get("flags", 0) & EXTERNAL:
+            self._left_out["INSERT of another drawing" if block is not None else "INSERT of no block"] += 1
+            return []
         return entity.multi_insert() if entity.mcount > 1 else [entity]
 
     def _skipped(self, entity, reason):
         self._left_out[entity.dxftype()] += 1
-
-
-def _points(entity) -> np.ndarray:
-    """(k, 3) float64, an entity as a polyline in world coordinates; a closed one repeats its first point."""
-    from ezdxf.path import make_path
-
-    if entity.dxftype() == "LINE":
-        return np.array([entity.dxf.start.xyz, entity.dxf.end.xyz])
-    path = make_path(entity)
-    corners = np.array([p.xyz for p in path.control_vertices()]).reshape(-1, 3)
-    if not path.has_curves or not len(corners):
-        return corners
-    size = float(np.ptp(corners, axis=0).max())
-    if not np.isfinite(size):
-        return corners
-    return np.array([p.xyz for p in path.flattening(max(SAGITTA * size, 1e-300), segments=4)])

@@ -59,6 +59,8 @@ def read_obj(path) -> Reading:
     _refuse(path, found, b"curv")
     lines = [found[b"l"], found[b"f"].where(found[b"f"].lengths == 2)]
     if not any(map(len, lines)):
+        if not len(found[b"f"]):
+            _refuse(path, found, b"surf")
         hint = "it holds a surface; give it with --surface" if len(found[b"f"]) else "export edges or polylines"
         raise NoCurves(f"{path}: no `l` lines, so no curves; {hint}")
     index, offsets = _indices(path, lines, len(points))

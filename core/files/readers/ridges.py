@@ -4,22 +4,21 @@
 Ridges_3, one curve a line: ``type strength sharpness x y z x y z ...``. The strength is the integral of the curvature
 along the curve, so the average curvature is strength / length. The type is 1 to 6.
 
-CrestCODE (`ridges.txt`, `ravines.txt`): the numbers V of points, E of edges and N of connected components, a line
-each; V lines ``x y z component``; N lines ``ridgeness sphericalness cyclideness``, the ridgeness being the integral of
-the curvature along the component; E lines ``point point triangle``, points counted from 0, triangle -1 for an edge
-that only connects.
+The text becomes numbers block by block, as words take many times its memory.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import chain
 
 import numpy as np
 
 from ...detection import KINDS
 from ...errors import InputError, NoCurves
 from ..reading import Reading, lines_of_points
-from ..text import load_lines, numbers_of, parse_numbers
+from ..text import numbers_of, parse_numbers, rows_of
+from .crest import average, read_crest
 from .polylines import are_polylines, polylines_of_rows
 
 TYPES = (1, 2, 3, 4, 5, 6)
@@ -27,58 +26,94 @@ CONVEX = (4, 5, 6)
 """Types of lines along convex edges; 1 to 3 run along concave ones."""
 
 
+FIRST = 1000
+"""Rows that are looked at to tell what a file is."""
+
+
 def read_text(path) -> Reading:
     """The lines of a .txt file: of Ridges_3, of CrestCODE or CGAL's polylines, told apart by their first rows."""
-    lines = load_lines(path)
-    numbers = [n for n, line in enumerate(lines, 1) if line.strip() and not line.lstrip().startswith(b"#")]
-    if not numbers:
+    first, blocks = _begun(rows_of(path))
+    if not first:
         raise NoCurves(f"{path}: it holds nothing but comments; export it again")
-    rows = [lines[n - 1] for n in numbers]
-    words = [row.split() for row in rows[:3]]
-    if len(words) == 3 and all(len(row) == 1 and row[0].isdigit() for row in words):
-        return replace(_read_crest(path, rows, numbers), crossings=True)
-    if len(words) < 3 and all(len(row) == 1 and row[0].isdigit() for row in words):
-        raise InputError(f"{path}: the file was cut off after {len(rows)} lines; export it again")
+    words = [row.split() for row in first[:3]]
+    if all(len(row) == 1 and row[0].isdigit() for row in words):
+        if len(words) < 3:
+            raise InputError(f"{path}: the file was cut off after {len(words)} lines; export it again")
+        return replace(read_crest(path, blocks), crossings=True)
     if are_polylines(words):
-        return polylines_of_rows(path, rows, numbers)
-    return replace(_read_cgal(path, rows, numbers), crossings=True)
+        return _read_polylines(path, blocks, first)
+    return replace(_read_cgal(path, blocks, first), crossings=True)
 
 
-def _read_cgal(path, rows, numbers) -> Reading:
-    lengths = np.fromiter((len(row.split()) for row in rows), np.int64, len(rows))
+def _begun(blocks):
+    """The first rows, up to FIRST, and all blocks from the first on."""
+    first, begun = [], []
+    for block in blocks:
+        begun.append(block)
+        first += block[0][: FIRST - len(first)]
+        if len(first) >= 3:
+            break
+    return first, chain(begun, blocks)
+
+
+def _read_polylines(path, blocks, first) -> Reading:
+    try:
+        return polylines_of_rows(path, blocks)
+    except InputError as error:  # the first row of a point cloud can look like a polyline
+        if isinstance(error, NoCurves) or len({row.split(None, 1)[0] for row in first}) > 1:
+            _refuse_cloud(path, first)
+        raise
+
+
+def _read_cgal(path, blocks, first) -> Reading:
+    points, sizes, strengths, kinds = [], [], [], []
+    for rows, numbers in blocks:
+        lengths = np.fromiter((len(row.split()) for row in rows), np.int64, len(rows))
+        _check_lengths(path, rows, numbers, lengths, first)
+        if rows[0] is first[0] and numbers_of(rows[0].split()) is None:
+            _refuse_cloud(path, first)  # the names of its columns come first
+        values = parse_numbers(path, rows, numbers).reshape(-1, 3)
+        count = lengths // 3
+        head = np.cumsum(count) - count
+        types, integral = values[head, 0], np.abs(values[head, 1])
+        wrong = np.flatnonzero(~np.isin(types, TYPES))
+        if len(wrong):
+            _refuse_cloud(path, first)
+            raise InputError(
+                f"{path}: line {numbers[wrong[0]]}: {types[wrong[0]]:g} is no type of a ridge line, those are 1 to 6; "
+                "give the file that Ridges_3 wrote"
+            )
+        body = np.ones(len(values), bool)
+        body[head] = False
+        points.append(values[body])
+        sizes.append(count - 1)
+        strengths.append(average(integral, _lengths(points[-1], np.r_[0, np.cumsum(count - 1)])))
+        kinds.append(np.where(np.isin(types, CONVEX), KINDS.index("ridge"), KINDS.index("valley")))
+    size, strength, kind = (np.concatenate(parts) for parts in (sizes, strengths, kinds))
+    offsets = np.r_[0, np.cumsum(size)]
+    whole = np.concatenate(points)
+    del points
+    return lines_of_points(
+        path, whole, None, offsets, named=np.ones(len(size), bool), strength=np.repeat(strength, size),
+        kind=np.repeat(kind, size),
+    )  # fmt: skip
+
+
+def _check_lengths(path, rows, numbers, lengths, first):
+    """Raise InputError where a row is not type, strength, sharpness and points."""
     wrong = np.flatnonzero((lengths < 6) | (lengths % 3 != 0))
     if len(wrong):
-        _refuse_cloud(path, rows)
+        _refuse_cloud(path, first)
         parse_numbers(path, rows[:1], numbers[:1])  # prose is named as such
         raise InputError(
             f"{path}: line {numbers[wrong[0]]}: {lengths[wrong[0]]} numbers; a curve is type, strength, sharpness and"
             " x y z of each point; was the file cut off?"
         )
-    values = parse_numbers(path, rows, numbers).reshape(-1, 3)
-    count = lengths // 3
-    head = np.cumsum(count) - count
-    types = values[head, 0]
-    wrong = np.flatnonzero(~np.isin(types, TYPES))
-    if len(wrong):
-        _refuse_cloud(path, rows)
-        raise InputError(
-            f"{path}: line {numbers[wrong[0]]}: {types[wrong[0]]:g} is no type of a ridge line, those are 1 to 6; "
-            "give the file that Ridges_3 wrote"
-        )
-    body = np.ones(len(values), bool)
-    body[head] = False
-    points, offsets = values[body], np.r_[0, np.cumsum(count - 1)]
-    strength = np.repeat(_average(np.abs(values[head, 1]), _lengths(points, offsets)), count - 1)
-    kind = np.repeat(np.where(np.isin(types, CONVEX), KINDS.index("ridge"), KINDS.index("valley")), count - 1)
-    named = np.ones(len(count), bool)
-    return lines_of_points(
-        path, points, np.arange(len(points)), offsets, named=named, strength=strength, kind=kind
-    )  # fmt: skip
 
 
 def _refuse_cloud(path, rows):
     """Raise NoCurves where the rows are a table of numbers, at least three in each: points, and nothing joins them."""
-    rows = [row.replace(b",", b" ").replace(b";", b" ").split() for row in rows[:1000]]
+    rows = [row.replace(b",", b" ").replace(b";", b" ").split() for row in rows]
     while len(rows) > 2 and (len(rows[0]) < 3 or numbers_of(rows[0]) is None):  # a count, or the names of the columns
         rows = rows[1:]
     widths = {len(row) for row in rows}
@@ -90,46 +125,8 @@ def _refuse_cloud(path, rows):
         )
 
 
-def _read_crest(path, rows, numbers) -> Reading:
-    if len(rows) < 3:
-        raise InputError(f"{path}: the file was cut off after {len(rows)} lines; export it again")
-    n_points, n_edges, n_components = (int(k) for k in parse_numbers(path, rows[:3], numbers[:3], int)[:3])
-    wanted = 3 + n_points + n_components + n_edges
-    if min(n_points, n_edges, n_components) < 0 or len(rows) < wanted:
-        raise InputError(f"{path}: the file was cut off, it has {len(rows)} of {wanted} lines; export it again")
-    a, b = 3 + n_points, 3 + n_points + n_components
-    points = _table(path, rows[3:a], numbers[3:a], 4)
-    ridgeness = _table(path, rows[a:b], numbers[a:b], 3)[:, 0]
-    edges = _table(path, rows[b:wanted], numbers[b:wanted], 3)[:, :2].astype(np.int64)
-    wrong = np.flatnonzero(((edges < 0) | (edges >= n_points)).any(axis=1))
-    if len(wrong):
-        raise InputError(f"{path}: line {numbers[b + wrong[0]]}: no such point, the file has {n_points}")
-    points, component = points[:, :3], points[:, 3].astype(np.int64)
-    wrong = np.flatnonzero((component < 0) | (component >= n_components))
-    if len(wrong):
-        raise InputError(f"{path}: line {numbers[3 + wrong[0]]}: no such component, the file has {n_components}")
-    edge_length = np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
-    length = np.bincount(component[edges[:, 0]], edge_length, n_components)
-    strength = _average(np.abs(ridgeness), length)[component]
-    return lines_of_points(
-        path, points, edges.ravel(), np.arange(len(edges) + 1) * 2, named=np.zeros(len(edges), bool), strength=strength
-    )
-
-
-def _table(path, rows, numbers, width) -> np.ndarray:
-    """(n, width) float64; more fields than `width` in a line are an error too."""
-    for row, number in zip(rows, numbers):
-        if len(row.split()) != width:
-            raise InputError(f"{path}: line {number}: {len(row.split())} numbers where {width} belong; export it again")
-    return parse_numbers(path, rows, numbers).reshape(-1, width)
-
-
 def _lengths(points, offsets) -> np.ndarray:
     """(m,) float64, the length of each curve."""
     step = np.r_[0.0, np.linalg.norm(np.diff(points, axis=0), axis=1)]
     along = np.cumsum(step)
     return along[offsets[1:] - 1] - along[offsets[:-1]]
-
-
-def _average(integral, length) -> np.ndarray:
-    return np.divide(integral, length, out=np.zeros_like(integral), where=length > 0)

@@ -107,13 +107,13 @@ def _vertices(path, lines, number, corner):
     rows, numbers = [], []
     for at, line in enumerate(lines, number + 1):
         words = line.lower().split()
-        if not words or words[0] in (b"solid", b"endsolid"):
+        if not words or (words[0] in (b"solid", b"endsolid") and not {b"facet", b"endloop"} <= set(words)):
             continue
         here = [i for i, word in enumerate(words) if word == b"vertex"]
         for i in here:
             coordinates = words[i + 1 : i + 4]
             if len(coordinates) < 3 or (len(here) == 1 and i == 0 and len(words) != 4):
-                raise InputError(f"{path}: line {at}: a vertex needs three coordinates; correct the line")
+                raise InputError(f"{path}: line {at}: a vertex needs three coordinates; was the file cut off?")
             rows.append(b" ".join(coordinates))
             numbers.append(at)
         corner += len(here)

@@ -145,6 +145,20 @@ def test_lines_of_gltf_are_curves_with_z_up(take, tmp_path, mode, indices):
     assert {tuple(p) for p in reading.curves.points.round(5).tolist()} == {tuple(map(float, p)) for p in LINE}
 
 
+def test_several_scenes_of_gltf_are_told_or_hidden(bpy, fcn, tmp_path):
+    path = gltf(tmp_path / "a.gltf", 3, [0, 1, 2], LINE)
+    document = json.loads(path.read_text())
+    document["nodes"].append({"mesh": 0, "translation": [9, 0, 0]})
+    document["scenes"].append({"nodes": [1]})
+    path.write_text(json.dumps(document))
+    code, said = fcn(path, "--l0", "5000")
+    assert code == 2
+    if "2 scenes, and this Blender shows them as one" in said:
+        assert "\n2 curves, 6 points" in said and bpy.app.version < (5, 2)
+    else:
+        assert "\n1 curves, 3 points" in said and "1 hidden" in said
+
+
 def test_triangles_of_gltf_are_a_scan(take, tmp_path):
     (scan,), _, _ = take(gltf(tmp_path / "a.gltf", 4, [0, 1, 2], [(0, 0, 0), (1, 0, 0), (0, 1, 0)]))
     assert len(scan.triangles) == 1 and scan.points.max() == pytest.approx(1)
@@ -179,12 +193,15 @@ def test_scans_that_blender_writes_come_back_as_they_were(bpy, take, bumps, tmp_
 
 
 @pytest.mark.parametrize("ending", [".glb", ".gltf", ".fbx", ".usda", ".usdc", ".abc"])
-@pytest.mark.parametrize("content", [b"", b"\x00\xff garbage" * 50], ids=["empty", "garbage"])
+@pytest.mark.parametrize(
+    "content", [b"", b"\x00\xff garbage" * 50, b"glTF\2\0\0\0"], ids=["empty", "garbage", "cut off"]
+)
 def test_broken_files_are_refused_in_one_line(fcn, tmp_path, ending, content):
     path = tmp_path / f"a{ending}"
     path.write_bytes(content)
     code, said = fcn(path)
     assert (code, said.count("\n")) == (2, 1) and said.startswith(f"error: {path}: ")
+    assert "Traceback" not in said and len(said) < 400
 
 
 def test_objects_of_other_scenes_are_counted_and_can_be_named(bpy, scene, take, tmp_path):
@@ -216,6 +233,38 @@ def test_the_edge_length_of_a_scan_in_a_scene(bpy, scene, fcn, tmp_path):
     (tmp_path / "in.obj").write_text("v 0 0 0\nv 90 0 0\nl 1 2\n")
     code, said = fcn(tmp_path / "in.obj", "--surface", path, "--l0", "5000")
     assert code == 2 and f"edge length {(2 + 3 + 13**0.5) / 3:.4g} (mean edge of scan.blend)" in said
+
+
+@pytest.mark.parametrize(
+    ("system", "size", "given", "said", "units"),
+    [
+        ("METRIC", 0.001, "50mm", "edge length 50, 5 cm in the scene (as given)", 4),
+        ("METRIC", 0.001, "50", "edge length 50, 5 cm in the scene (as given)", 4),
+        ("METRIC", 1.0, "5cm", "edge length 0.05, 5 cm in the scene (as given)", 6),
+        ("IMPERIAL", 0.3048, "6 in", 'edge length 0.5, 6" in the scene (as given)', 2),
+        ("NONE", 1.0, "0.05", "edge length 0.05 (as given)", 6),
+    ],
+)
+def test_lengths_are_in_the_unit_of_the_scene(bpy, arcs, fcn, tmp_path, system, size, given, said, units):
+    ezdxf = pytest.importorskip("ezdxf")
+    edge = {"50mm": 50, "50": 50, "5cm": 0.05, "6 in": 0.5, "0.05": 0.05}[given]
+    (tmp_path / "in.obj").write_text(arcs())
+    bpy.ops.fcn.import_curves(filepath=str(tmp_path / "in.obj"))
+    bpy.context.active_object.scale = [10 * edge] * 3
+    unit = bpy.context.scene.unit_settings
+    unit.system, unit.scale_length = system, size
+    path = save(bpy, tmp_path / "a.blend")
+    code, text = fcn(path, "--edge-length", given, "--curves", tmp_path / "r.dxf")
+    assert code == 0 and said in text
+    assert ezdxf.readfile(tmp_path / "r.dxf").units == units
+
+
+def test_a_unit_needs_inputs_that_have_one(fcn, arcs, tmp_path):
+    (tmp_path / "in.obj").write_text(arcs())
+    code, text = fcn(tmp_path / "in.obj", "--edge-length", "10cm")
+    assert code == 2 and "give the number alone" in text
+    code, text = fcn(tmp_path / "in.obj", "--edge-length", "10 parsecs")
+    assert code == 2 and "10 parsecs" in text
 
 
 def test_the_report_names_what_is_left_out(bpy, scene, fcn, tmp_path):

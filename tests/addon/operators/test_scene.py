@@ -148,3 +148,41 @@ def test_counting_touches_nothing(bpy, part, wall):
         assert not updates and wall.hide_get()
     finally:
         bpy.app.handlers.depsgraph_update_post.pop()
+
+
+def test_what_is_missing_of_a_library_is_named(bpy, wall, tmp_path):
+    source = bpy.data.collections.new("Source")
+    source.objects.link(wall)
+    bpy.context.scene.collection.children.link(source)
+    library, path = tmp_path / "library.blend", tmp_path / "scene.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(library), copy=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    with bpy.data.libraries.load(str(library), link=True) as (_, wanted):
+        wanted.collections = ["Source"]
+    item = bpy.data.objects.new("Instance", None)
+    item.instance_type, item.instance_collection = "COLLECTION", bpy.data.collections["Source"]
+    bpy.context.scene.collection.objects.link(item)
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    library.unlink()
+    bpy.ops.wm.open_mainfile(filepath=str(path))
+    choose(bpy, bpy.data.objects["Instance"])
+    for run in (bpy.ops.fcn.complete, bpy.ops.fcn.detect):
+        with pytest.raises(RuntimeError, match="'Source' of the library '.*library.blend' is missing"):
+            run()
+
+
+def test_an_image_that_shapes_a_scan_and_is_missing_is_named(bpy, part, bumps, tmp_path):
+    points, triangles = bumps(rows=1)
+    mesh = bpy.data.meshes.new("Scan")
+    mesh.from_pydata(points.tolist(), [], triangles.tolist())
+    for name in ("Scan", "Plain"):
+        bpy.context.scene.collection.objects.link(bpy.data.objects.new(name, mesh))
+    texture = bpy.data.textures.new("Height", "IMAGE")
+    texture.image = bpy.data.images.new("Height", 4, 4)
+    texture.image.source, texture.image.filepath = "FILE", str(tmp_path / "gone.png")
+    bpy.data.objects["Scan"].modifiers.new("Displace", "DISPLACE").texture = texture
+    choose(bpy, bpy.data.objects["Scan"])
+    with pytest.raises(RuntimeError, match="the image '.*gone.png', which a modifier uses, is missing"):
+        bpy.ops.fcn.detect()
+    choose(bpy, bpy.data.objects["Plain"])
+    assert bpy.ops.fcn.detect() == {"FINISHED"}

@@ -78,6 +78,12 @@ def test_nothing_is_selected(panels, bpy):
     assert "fcn.complete" in buttons and "fcn.select_transformation" not in buttons
 
 
+def test_a_result_far_from_the_origin_says_how_coarse_places_are(panels, bpy, made):
+    assert not any("rounds places" in text for text in panels()[0])
+    made["fcn_step"] = 0.5
+    assert "Far from the origin: Blender rounds places to 50 cm" in panels()[0]
+
+
 def test_what_a_run_would_use(panels, bpy, wall):
     bpy.context.scene.fcn.parameters.l0 = 4
     said, _ = panels()

@@ -103,6 +103,50 @@ def test_what_is_hidden_or_no_line_is_left_out_and_told(drawing):
         read()
 
 
+def test_what_is_off_stays_hidden_inside_of_blocks_and_what_is_frozen_hides_them(drawing):
+    document, read = drawing
+    document.layers.add("frozen").freeze()
+    document.layers.add("off").off()
+    block = document.blocks.new("A")
+    block.add_line((0, 0), (1, 0))  # on layer 0: it is on that of the INSERT
+    block.add_line((0, 0), (0, 7), dxfattribs={"layer": "shown"})
+    for layer in ("frozen", "off"):
+        document.modelspace().add_blockref("A", (0, 0), dxfattribs={"layer": layer})
+    reading = read()
+    assert [line.tolist() for line in lines(reading)] == [[[0, 0, 0], [0, 7, 0]]]
+    assert reading.left_out == "1 hidden INSERT, 1 hidden LINE"
+
+
+def test_paper_space_is_no_part_and_other_drawings_are_named(drawing):
+    document, read = drawing
+    document.layout("Layout1").add_lwpolyline([(0, 0), (9, 9)])
+    document.add_xref_def("other.dwg", "X")
+    document.modelspace().add_blockref("X", (0, 0))
+    document.modelspace().add_blockref("nowhere", (0, 0))
+    with pytest.raises(NoCurves, match="1 INSERT of another drawing, 1 INSERT of no block; bind the other drawing"):
+        read()
+    document.modelspace().add_line((0, 0), (3, 0))
+    assert len(lines(read())) == 1
+
+
+@pytest.mark.parametrize("form", ["asc", "bin"])
+@pytest.mark.parametrize("version", ["R12", "R2000", "R2018"])
+def test_every_version_is_read_as_text_and_as_bytes(tmp_path, version, form):
+    document = ezdxf.new(version)
+    document.layers.add("T\u00fcren").off()
+    space = document.modelspace()
+    space.add_line((0, 0), (9, 0), dxfattribs={"layer": "T\u00fcren"})
+    space.add_polyline2d([(0, 0, 1), (2, 0, 0)], format="xyb")
+    inside = document.blocks.new("A", base_point=(1, 1))
+    inside.add_line((1, 1), (2, 1))
+    space.add_blockref("A", (5, 0), dxfattribs={"xscale": -2})
+    document.saveas(tmp_path / "a.dxf", fmt=form)
+    reading = read_dxf(tmp_path / "a.dxf")
+    half, line = lines(reading)
+    assert np.linalg.norm(half - (1, 0, 0), axis=1) == pytest.approx(1, abs=1e-3)
+    assert np.allclose(line, [[5, 0, 0], [3, 0, 0]]) and reading.left_out == "1 hidden LINE"
+
+
 def test_lines_and_an_arc_are_one_outline(drawing, tmp_path):
     document, _ = drawing
     space = document.modelspace()

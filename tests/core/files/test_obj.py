@@ -186,6 +186,8 @@ def test_free_form_curves_are_refused_by_name(obj, statement):
         read_curves([obj(SQUARE + "l 1 2\n" + statement + "\n")])
     with pytest.raises(InputError, match="free-form surfaces"):
         read_surface(obj(SQUARE + "f 1 2 3\nsurf 0 1 0 1 1 2 3 4\n"))
+    with pytest.raises(InputError, match="free-form surfaces"):
+        read_curves([obj(SQUARE + "surf 0 1 0 1 1 2 3 4\n")])
 
 
 def test_a_concave_polygon_is_not_a_fan(obj):

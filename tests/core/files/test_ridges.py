@@ -110,6 +110,9 @@ def test_a_type_is_one_to_six(file, line):
         "//X Y Z I\n0.1 0.2 0.3 9\n0.4 0.5 0.6 8\n",
         "0.1, 0.2, 0.3, 7\n0.4, 0.5, 0.6, 7\n",
         "3\n0.1 0.2 0.3 9 255 0 0\n0.4 0.5 0.6 8 255 0 0\n0.4 0.9 0.6 8 255 0 0\n",
+        "x y z r g b\n1 2 3 4 5 6\n2 2 3 4 5 6\n3 2 1 1 1 1\n",
+        "1 2 3 4\n1 2 3 5\n",
+        "2 0 0 0 1 0 0\n2.5 0 0 0 1 0 0\n",
     ],
 )
 def test_a_point_cloud_is_called_one(file, rows):

@@ -79,6 +79,8 @@ def counted(data, count):
         (b"\n" + ascii_text(SQUARE).replace(b"\n", b"\r\n").upper().replace(b"SOLID A", b"solid Vertex 1"), 1),
         (ascii_text(SQUARE).replace(b"\n  vertex", b" vertex").replace(b"\n endloop", b" endloop"), 1),
         (b"\xef\xbb\xbf" + ascii_text(SQUARE), 1),
+        (ascii_text(SQUARE).replace(b"\n", b" "), 1),
+        (ascii_text(SQUARE).replace(b"\n", b"\r"), 1),
         (ascii_text(SQUARE).decode().encode("utf-16"), 1),
     ],
 )
@@ -93,6 +95,7 @@ def test_what_writers_really_write(tmp_path, data, area):
         (counted(binary(SQUARE), 3), "of 3 facets, there is room for 2"),
         (ascii_text(SQUARE).replace(b" endloop", b"  vertex 5 5 5\n endloop", 1), "a facet of 4 vertices"),
         (b"short", "too few"),
+        (ascii_text(SQUARE)[: ascii_text(SQUARE).rindex(b"vertex") + 9], "three coordinates; .* cut off"),
     ],
 )
 def test_what_does_not_fit_is_named(tmp_path, data, message):
