@@ -8,6 +8,7 @@ from bpy.app.translations import pgettext_iface as iface_
 
 from ..fcn_addon.job import session
 from ..fcn_addon.result import stored
+from ..fcn_addon.result import views as views_of
 from ..fcn_addon.scene import origin
 from ..fcn_addon.wording import counted
 from .sidebar import Sidebar
@@ -88,7 +89,9 @@ class FCN_PT_result(OfResult, bpy.types.Panel):
             layout.label(text=text, icon="ORIENTATION_GLOBAL", translate=False)
         views = layout.grid_flow(row_major=True, columns=2, even_columns=True, align=True)
         for view in ("RESULT", "COMPONENTS", "TEMPLATES", "INPUT"):
-            views.prop_enum(result, "view", view)
+            cell = views.row(align=True)
+            cell.enabled = views_of.can_show(root, view)
+            cell.prop_enum(result, "view", view)
         layout.prop(result, "support", text="Hide Below Support", slider=True)
         row = layout.row()
         row.template_list(

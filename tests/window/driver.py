@@ -192,14 +192,18 @@ class Driver:
         self.area.spaces.active.show_region_ui = True
         yield 0.4
         region = self.region("UI")
-        region.active_panel_category = category
-        region.tag_redraw()
+        while region.active_panel_category != category:  # it has no tabs before it is drawn
+            region.active_panel_category = category
+            region.tag_redraw()
+            yield 0.1
         self.move(region.x + 60, region.y + region.height // 2)
         yield 0.4
 
     def picture(self, name):
         """Take a picture of the screen (Blender's own screenshot is black without a graphics card)."""
         path = os.path.join(self.pictures, f"{name}.png")
+        with bpy.context.temp_override(window=self.window):  # what was tagged may not be drawn yet
+            bpy.ops.wm.redraw_timer(type="DRAW_WIN_SWAP", iterations=1)
         subprocess.run(["import", "-window", "root", "+dither", "-colors", "255", path], check=True)
 
     def note(self, text):

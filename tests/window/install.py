@@ -29,6 +29,16 @@ def session(driver):
     yield 1.0
     driver.picture("install-2-enabled")
 
+    addon = sys.modules[EXTENSION]
+    import addon_utils
+
+    info = addon_utils.module_bl_info(addon)
+    info["show_expanded"] = True
+    area.tag_redraw()
+    yield 0.5
+    driver.picture("install-4-preferences")
+    info["show_expanded"] = False
+
     area.type = "VIEW_3D"
     yield 0.5
     yield from driver.sidebar(CATEGORY)

@@ -134,6 +134,29 @@ def test_a_result(panels, bpy, made):
     assert item.parent.name in panels()[0]
 
 
+def test_what_is_selected_moves_no_panel_of_a_result(panels, bpy, part, made):
+    """Detect Curves is above all while there is no result, and below it afterwards."""
+    mesh = bpy.data.meshes.new("Scan")
+    mesh.from_pydata([(0, 0, 0), (3, 0, 0), (0, 4, 0)], [], [(0, 1, 2)])
+    scan = bpy.data.objects.new("Scan", mesh)
+    bpy.context.scene.collection.objects.link(scan)
+
+    def seen():
+        bpy.context.view_layer.update()
+        kinds = [c for c in part("ui").CLASSES if issubclass(c, bpy.types.Panel)]
+        shown = [c for c in kinds if not hasattr(c, "poll") or c.poll(bpy.context)]
+        return [c.bl_label for c in shown if not getattr(c, "bl_parent_id", "") and not c.__name__.endswith("presets")]
+
+    for selected in (True, False):
+        scan.select_set(selected)
+        bpy.context.view_layer.objects.active = scan if selected else None
+        assert seen() == ["Complete Curves", "Result", "Detect Curves"]
+        assert ("Scan: 1 faces" in panels()[0]) == selected
+        assert "fcn.detect" in panels()[1]
+    bpy.ops.fcn.remove_result()
+    assert seen() == ["Detect Curves", "Complete Curves"]
+
+
 def test_while_a_template_is_edited(panels, bpy, made):
     item = next(o for o in made.all_objects if o.get("occurrence") == 3 and "support" in o)
     item.select_set(True)
