@@ -109,10 +109,11 @@ def _draw_summary(box, context):
         return
     column = box.column(align=True)
     row = column.row()
+    one = found.curves == 1
     if found.again:
-        text = iface_("{curves:,} curves of the result")
+        text = iface_("1 curve of the result") if one else iface_("{curves:,} curves of the result")
     elif found.objects == 1:
-        text = iface_("{curves:,} curves of 1 object")
+        text = iface_("1 curve of 1 object") if one else iface_("{curves:,} curves of 1 object")
     else:
         text = iface_("{curves:,} curves of {objects:,} objects")
     text = text.format(curves=found.curves, objects=found.objects)
@@ -120,9 +121,10 @@ def _draw_summary(box, context):
     row.operator("fcn.measure", text="", icon="FILE_REFRESH", emboss=False)
     length = unit_length(context.scene)
     edge = length(found.edge_length)
+    strong = iface_("1 strong curve") if found.strong == 1 else iface_("{strong:,} strong curves")
     for text in (
         iface_("{samples:,} samples, edge length {edge}").format(samples=found.samples, edge=edge),
-        iface_("{strong:,} strong curves").format(strong=found.strong),
+        strong.format(strong=found.strong),
         iface_("About {time}").format(time=duration(found.seconds)),
     ):
         column.label(text=text, icon="BLANK1", translate=False)

@@ -34,7 +34,8 @@ class Detecting(Sidebar):
             layout.label(text="Select a scan, a mesh with faces", icon="INFO")
         else:
             faces = evaluated_faces(scan, context.view_layer.depsgraph)
-            text = iface_("{scan}: {faces:,} faces").format(scan=scan.name, faces=faces)
+            text = iface_("{scan}: 1 face") if faces == 1 else iface_("{scan}: {faces:,} faces")
+            text = text.format(scan=scan.name, faces=faces)
             layout.label(text=text, icon="MESH_DATA", translate=False)
             _draw_copy(layout, settings, faces)
         layout.prop(settings, "detail")
@@ -79,7 +80,8 @@ def _draw_copy(layout, settings, faces):
 
 def _draw_thresholds(layout, item):
     box, curves = layout.box(), item.fcn_curves
-    text = iface_("{shown:,} of {total:,} curves").format(shown=curves.shown, total=curves.total)
+    text = iface_("{shown:,} of 1 curve") if curves.total == 1 else iface_("{shown:,} of {total:,} curves")
+    text = text.format(shown=curves.shown, total=curves.total)
     box.label(text=text, icon="CURVE_DATA", translate=False)
     text = iface_("Detail {detail:.1f} edge lengths").format(detail=curves.detail) if curves.detail else ""
     box.label(text=text, icon="BLANK1", translate=False)

@@ -165,6 +165,7 @@ def finish(context, task, made):
         kept.remove(old)
     item.name = f"{task.label} curves"
     preferences.put(scene, item)
+    context.view_layer.update()
     if context.scene == scene and item.name in context.view_layer.objects:  # which may exclude its collection
         for other in context.selected_objects:
             other.select_set(False)

@@ -86,6 +86,8 @@ def test_what_goes_wrong_in_a_stage_leaves_nothing(bpy, part, waves, monkeypatch
         session.outcome(run)
     assert len(reached) == 1
     assert count(bpy) == before and not session.running() and not waves.hide_get()
+    if stage != "blast":  # it takes the method itself, once is enough
+        return
     monkeypatch.undo()
     assert bpy.ops.fcn.complete() == {"FINISHED"}  # and the next run is as if nothing had been
     assert bpy.context.scene.fcn.result.fcn_result.occurrences
