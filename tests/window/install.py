@@ -29,15 +29,11 @@ def session(driver):
     yield 1.0
     driver.picture("install-2-enabled")
 
-    addon = sys.modules[EXTENSION]
-    import addon_utils
-
-    info = addon_utils.module_bl_info(addon)
-    info["show_expanded"] = True
+    bpy.ops.preferences.addon_expand(module=EXTENSION)
     area.tag_redraw()
     yield 0.5
     driver.picture("install-4-preferences")
-    info["show_expanded"] = False
+    bpy.ops.preferences.addon_expand(module=EXTENSION)
 
     area.type = "VIEW_3D"
     yield 0.5

@@ -12,7 +12,7 @@ import bpy
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
 import steps  # noqa: E402
-from driver import EXTENSION, Driver  # noqa: E402
+from driver import EXTENSION, LEFT, RIGHT, Driver  # noqa: E402
 from whole_session import CATEGORY, result, settings, small, visible  # noqa: E402
 
 
@@ -46,29 +46,29 @@ def lists(driver):
     """Eye, solo, one occurrence out and in, restore, a name and a colour."""
     row, every = result().template_rows[0], len(visible())
     mine = [o for o in visible() if o.get("template") == row.ident]
-    yield from driver.press("template_rows[0].shown")
+    yield from driver.press("template_rows[0].shown", shares=LEFT)
     yield 0.3
     assert not row.shown and len(visible()) == every - len(mine)
     driver.picture("list-2-eye")
-    yield from driver.press("template_rows[0].shown")
+    yield from driver.press("template_rows[0].shown", shares=LEFT)
     yield 0.3
     assert row.shown and len(visible()) == every
-    yield from driver.press("fcn_result.solo")
+    yield from driver.press("fcn_result.solo", shares=RIGHT)
     yield 0.3
     assert result().solo and {o["template"] for o in visible() if o["occurrence"] >= 0} == {row.ident}
-    yield from driver.press("fcn_result.solo")
+    yield from driver.press("fcn_result.solo", shares=RIGHT)
     yield 0.3
 
     left = row.count
     for place in (1, 2):
-        yield from driver.press(f"places[{place}].kept")
+        yield from driver.press(f"places[{place}].kept", shares=LEFT)
         yield 0.3
     assert row.count == left - 2 and row.rejected == 2 and len(visible()) < every
     driver.picture("list-3-rejected")
-    yield from driver.press("places[1].kept")  # one by one
+    yield from driver.press("places[1].kept", shares=LEFT)  # one by one
     yield 0.3
     assert row.count == left - 1
-    yield from driver.press("bpy.ops.fcn.restore()")
+    yield from driver.press("bpy.ops.fcn.restore()", shares=RIGHT)
     yield 0.3
     assert (row.count, row.rejected, len(visible())) == (left, 0, every)
 
