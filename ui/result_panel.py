@@ -92,14 +92,14 @@ class FCN_PT_result(OfResult, bpy.types.Panel):
             cell = views.row(align=True)
             cell.enabled = views_of.can_show(root, view)
             cell.prop_enum(result, "view", view)
-        layout.prop(result, "support", text="Hide Below Support", slider=True)
-        row = layout.row()
-        row.template_list(
+        row = layout.row(align=True)
+        row.prop(result, "support", text="Hide Below Support", slider=True)
+        row.prop(result, "solo", text="", icon="SOLO_ON" if result.solo else "SOLO_OFF")
+        row.operator("fcn.restore", text="", icon="LOOP_BACK")
+        # Over the whole width: names would be cut beside buttons, where many rows bring a scroll bar.
+        layout.template_list(
             FCN_UL_templates.bl_idname, "", result, "template_rows", result, "active_template", rows=3, maxrows=3
         )
-        side = row.column(align=True)
-        side.prop(result, "solo", text="", icon="SOLO_ON" if result.solo else "SOLO_OFF")
-        side.operator("fcn.restore", text="", icon="LOOP_BACK")
         layout.template_list(FCN_UL_places.bl_idname, "", result, "places", result, "active_place", rows=3, maxrows=3)
 
 

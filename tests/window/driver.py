@@ -17,7 +17,7 @@ EXTENSION = "bl_ext.user_default.fcn_addon"
 STEP = 0.02  # seconds between two looks at what the session waits for
 ROUNDS = 2  # of Blender's main loop, at least: a busy machine is slow to take in what the mouse does
 PATIENCE = 300.0
-SHARES, LEFT, RIGHT = (33, 62, 74), (11,), (92,)  # of the width of the sidebar, per cent: where buttons are
+SHARES, LEFT, RIGHT = (33, 62, 74), (11,), (83, 75)  # of the width of the sidebar, per cent: where buttons are
 
 
 class Driver:
