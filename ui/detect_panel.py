@@ -82,10 +82,11 @@ def _draw_thresholds(layout, item):
     box, curves = layout.box(), item.fcn_curves
     text = iface_("{shown:,} of 1 curve") if curves.total == 1 else iface_("{shown:,} of {total:,} curves")
     text = text.format(shown=curves.shown, total=curves.total)
-    box.label(text=text, icon="CURVE_DATA", translate=False)
+    lines = box.column(align=True)
+    lines.label(text=text, icon="CURVE_DATA", translate=False)
     text = iface_("Detail {detail:.1f} edge lengths").format(detail=curves.detail) if curves.detail else ""
-    box.label(text=text, icon="BLANK1", translate=False)
-    box.label(text=curves.remarks, icon="ERROR" if curves.remarks else "BLANK1", translate=False)
+    lines.label(text=text, icon="BLANK1", translate=False)
+    lines.label(text=curves.remarks, icon="ERROR" if curves.remarks else "BLANK1", translate=False)
     column = box.column()
     column.enabled = kept.can_change(item)
     column.prop(curves, "fold", slider=True)

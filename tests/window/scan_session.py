@@ -38,7 +38,7 @@ def prepare(driver):
 
 
 def still(driver, chosen):
-    """Whatever is selected, the button that completes stays where it is; a generator."""
+    """Whatever is selected, what lies below all that is about the selection stays where it is; a generator."""
     found = []
     for item in chosen:
         for other in bpy.context.selected_objects:
@@ -51,11 +51,11 @@ def still(driver, chosen):
         driver.move(driver.region("UI").x + 30, driver.region("UI").y + 30)
         yield 0.2
         if not found:
-            yield from driver.find("bpy.ops.fcn.complete()", found)
-        driver.move(*found[0])
+            yield from driver.find("fcn.form", found)
+        driver.move(found[0][0], found[0][1] - 6)
         yield 0.3
         seen = driver.under_mouse()
-        assert "bpy.ops.fcn.complete()" in seen, (item, seen)
+        assert "fcn.form" in seen, (item, seen)
 
 
 def session(driver):
