@@ -26,6 +26,10 @@ AGREED = 0.15
 LATE = 0.5
 """Share of the time by which a stage is late that it still takes, where it does not say how far it is."""
 
+RISE, SHORT = 0.25, 2.0
+"""Share by which the time left may rise in a second, and the seconds for which it is meant where less is left. What is
+learned of a run shows within seconds, and the number does not jump under the eye."""
+
 
 class Progress:
     """How far a run is.
@@ -45,8 +49,12 @@ class Progress:
 
     def expect(self, expected, now=None):
         """Take in how many seconds each stage is thought to take."""
-        self._expected = dict(expected)
-        self._look(self._at if now is None else now)
+        first, self._expected = not self._expected, dict(expected)
+        now = self._at if now is None else now
+        if first:  # there was no number yet that could jump
+            self._left, self._at = sum(self._expected.values()), now
+        else:
+            self._look(now)
 
     def update(self, stage, fraction, now):
         """Take in what a stage says; the whole never goes back."""
@@ -85,7 +93,9 @@ class Progress:
         pace = self._pace(now)
         over = {*self._took, *self._skipped, self.stage}
         rest = sum(s * pace for stage, s in self._expected.items() if stage not in over)
-        self._left, self._at = rest + self._left_of_stage(now, pace), now
+        shown = self.left(now)
+        most = shown + RISE * max(shown, SHORT) * (now - self._at)
+        self._left, self._at = min(rest + self._left_of_stage(now, pace), most), now
         whole = now - self._began + self._left
         ended = self._is_last() and self._done >= 1
         share = 1.0 if ended else (now - self._began) / whole if whole > 0 else 0.0
@@ -93,28 +103,27 @@ class Progress:
 
     def _pace(self, now):
         """How many times as long as expected this run takes: 1 at first, more and more what is measured."""
-        whole = sum(self._expected.values())
-        expected = sum(self._expected.get(stage, 0.0) for stage in self._took)
-        expected += self._expected.get(self.stage, 0.0) * self._done
-        measured, here = sum(self._took.values()), now - self._since
+        start = TRUST * sum(self._expected.values())
+        expected = start + sum(self._expected.get(stage, 0.0) for stage in self._took)
+        measured, here = start + sum(self._took.values()), now - self._since
+        own = self._expected.get(self.stage, 0.0)
         if self._done > 0:
-            measured += here
-        elif self.stage and here > self._expected.get(self.stage, 0.0):  # late, and it does not say how far it is
-            measured, expected = measured + here, expected + self._expected.get(self.stage, 0.0)
-        start = TRUST * whole
-        return (start + measured) / (start + expected) if start + expected > 0 else 1.0
+            measured, expected = measured + here, expected + own * self._done
+        pace = measured / expected if expected > 0 else 1.0
+        late = self.stage and self._done <= 0 and here > own * pace  # and it does not say how far it is
+        return (measured + here) / (expected + own) if late and expected + own > 0 else pace
 
     def _left_of_stage(self, now, pace):
         """Seconds that the present stage still takes, by what was expected and by its own speed."""
         if not self.stage or self._done >= 1:
             return 0.0
-        here, expected = now - self._since, self._expected.get(self.stage, 0.0) * pace
-        by_plan = max(expected * (1 - self._done), 0.0)
+        here, by_plan = now - self._since, self._expected.get(self.stage, 0.0) * pace
         if self._done <= 0:
-            return max(expected - here, LATE * (here - expected))
-        by_speed = here * (1 - self._done) / self._done
-        weight = self._done / (self._done + AGREED)
-        return weight * by_speed + (1 - weight) * by_plan
+            return max(by_plan - here, LATE * (here - by_plan))
+        by_speed = here / self._done
+        weight = self._done / (self._done + AGREED) if by_plan > 0 and by_speed > 0 else 1.0
+        # Both may be wrong by a factor: the mean of their logarithms.
+        return (1 - self._done) * by_speed**weight * max(by_plan, 1e-9) ** (1 - weight)
 
     def _is_last(self):
         return bool(self._expected) and self.stage == list(self._expected)[-1]

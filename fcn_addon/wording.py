@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Names of transformations for people: "Grid 1: 5 x 3, step 1.80 m, 2.40 m", "Ring 1: 20 x 18°"."""
+"""Names of transformations for people: "Grid 1: 5 x 3, step 1.80 m, 2.40 m", "Row 1 of 13, step 2 m"."""
 
 from __future__ import annotations
 
@@ -41,7 +41,8 @@ def titles(transformations, length=plain_length) -> dict[int, str]:
     seen, named = {}, {}
     for t in transformations:
         seen[t.kind] = seen.get(t.kind, 0) + 1
-        named[t.id] = f"{KINDS[t.kind]} {seen[t.kind]}: {description(t, length)}"
+        joint = " of " if t.kind == "translation" else ": "  # a row of 13, but a grid: 5 x 3
+        named[t.id] = f"{KINDS[t.kind]} {seen[t.kind]}{joint}{description(t, length)}"
     return named
 
 

@@ -10,7 +10,7 @@ import bpy
 from ..fcn_addon.registration import register_classes, unregister_classes
 from . import keymap, manual_links, menu, overlay
 from .complete_panel import FCN_PT_advanced, FCN_PT_complete, FCN_PT_parameters
-from .detect_panel import FCN_PT_detect, FCN_PT_detect_more
+from .detect_panel import FCN_PT_detect, FCN_PT_detect_below, FCN_PT_detect_more, FCN_PT_detect_more_below
 from .presets_panel import FCN_PT_presets
 from .result_panel import (
     FCN_PT_occurrence,
@@ -36,6 +36,8 @@ CLASSES = (
     FCN_PT_occurrence,
     FCN_PT_transformations,
     FCN_PT_use,
+    FCN_PT_detect_below,
+    FCN_PT_detect_more_below,
     menu.FCN_MT_object,
 )
 HERE = str(Path(__file__).resolve().parent)  # Blender looks for presets/fcn_addon in it

@@ -12,7 +12,6 @@ from ..core.parameters import Parameters
 from ..fcn_addon.job import session, summary
 from ..fcn_addon.job.estimate import Summary
 from ..fcn_addon.properties.settings import BASIC, in_edges
-from ..fcn_addon.reading.reader import evaluated_faces
 from ..fcn_addon.result import stored
 from ..fcn_addon.scene.units import unit_length
 from ..fcn_addon.wording import duration
@@ -77,19 +76,12 @@ def _draw_button(layout, context):
             row.operator("fcn.try_example", icon="LIGHT")
 
 
-def _has_faces(context):
-    """Whether a selected object has faces; of thousands of objects the first are asked."""
-    depsgraph = context.view_layer.depsgraph
-    return any(evaluated_faces(item, depsgraph) for item in context.selected_objects[:100])
-
-
 def _draw_source(layout, context, settings):
     layout.prop(settings, "source", expand=True)
     if settings.source == "COLLECTION":
         layout.prop(settings, "collection", text=" ")
         layout.prop(settings, "use_hidden")
-    if settings.take_edges or settings.source == "COLLECTION" or _has_faces(context):
-        layout.prop(settings, "take_edges")
+    layout.prop(settings, "take_edges")
     layout.prop(settings, "edge_length_from")
     if settings.edge_length_from == "SCAN":
         layout.prop(settings, "scan", text=" ")
@@ -101,18 +93,20 @@ def _draw_summary(box, context):
     """What a run would use."""
     found = summary.latest()
     if not isinstance(found, Summary):
-        row = box.row()
+        column = box.column(align=True)
+        row = column.row()
         row.label(text=found or "Press Measure to count the curves", icon="INFO")
         row.operator("fcn.measure", text="", icon="FILE_REFRESH", emboss=False)
         for _ in range(3):  # as many rows as when something is chosen: what lies below stays where it is
-            box.column(align=True).label(text="")
+            column.label(text="")
         return
     column = box.column(align=True)
     row = column.row()
+    one = found.curves == 1
     if found.again:
-        text = iface_("{curves:,} curves of the result")
+        text = iface_("1 curve of the result") if one else iface_("{curves:,} curves of the result")
     elif found.objects == 1:
-        text = iface_("{curves:,} curves of 1 object")
+        text = iface_("1 curve of 1 object") if one else iface_("{curves:,} curves of 1 object")
     else:
         text = iface_("{curves:,} curves of {objects:,} objects")
     text = text.format(curves=found.curves, objects=found.objects)
@@ -120,9 +114,10 @@ def _draw_summary(box, context):
     row.operator("fcn.measure", text="", icon="FILE_REFRESH", emboss=False)
     length = unit_length(context.scene)
     edge = length(found.edge_length)
+    strong = iface_("1 strong curve") if found.strong == 1 else iface_("{strong:,} strong curves")
     for text in (
         iface_("{samples:,} samples, edge length {edge}").format(samples=found.samples, edge=edge),
-        iface_("{strong:,} strong curves").format(strong=found.strong),
+        strong.format(strong=found.strong),
         iface_("About {time}").format(time=duration(found.seconds)),
     ):
         column.label(text=text, icon="BLANK1", translate=False)

@@ -15,32 +15,29 @@ from . import lengths
 from .sidebar import Sidebar
 
 
-class FCN_PT_detect(Sidebar, bpy.types.Panel):
-    bl_label = "Detect Curves"
+class Detecting(Sidebar):
+    """Drawn in two places; whatever is selected it takes as much room, so that nothing below it moves."""
 
-    @classmethod
-    def poll(cls, context):
-        """Beside a result it leaves the room to that, unless there is something to do for it."""
-        item = context.active_object
-        chosen = detecting.scan_of(context) or (item is not None and item.select_get() and item.fcn_curves.scan)
-        return bool(chosen) or stored.active(context.scene) is None
+    bl_label = "Detect Curves"
 
     def draw(self, context):
         layout = self.layout
         layout.use_property_split = True
         layout.use_property_decorate = False
         layout.enabled = not session.running()
-        item = context.active_object
+        item, scan, settings = context.active_object, detecting.scan_of(context), context.scene.fcn.detection
         if item is not None and item.select_get() and item.fcn_curves.scan:
             _draw_thresholds(layout, item)
-        scan, settings = detecting.scan_of(context), context.scene.fcn.detection
+            if scan is None:
+                return
         if scan is None:
             layout.label(text="Select a scan, a mesh with faces", icon="INFO")
-            return
-        faces = evaluated_faces(scan, context.view_layer.depsgraph)
-        text = iface_("{scan}: {faces:,} faces").format(scan=scan.name, faces=faces)
-        layout.label(text=text, icon="MESH_DATA", translate=False)
-        _draw_copy(layout, settings, faces)
+        else:
+            faces = evaluated_faces(scan, context.view_layer.depsgraph)
+            text = iface_("{scan}: 1 face") if faces == 1 else iface_("{scan}: {faces:,} faces")
+            text = text.format(scan=scan.name, faces=faces)
+            layout.label(text=text, icon="MESH_DATA", translate=False)
+            _draw_copy(layout, settings, faces)
         layout.prop(settings, "detail")
         row = layout.row(align=True, heading="Kinds")
         row.prop(settings, "ridges", toggle=True)
@@ -52,6 +49,22 @@ class FCN_PT_detect(Sidebar, bpy.types.Panel):
         column.scale_y = 1.3
         column.operator("fcn.detect", icon="MOD_EDGESPLIT")
         column.operator("fcn.complete_scan", icon="CURVE_DATA")
+
+
+class FCN_PT_detect(Detecting, bpy.types.Panel):
+    """The first thing to do, as long as there is no result."""
+
+    @classmethod
+    def poll(cls, context):
+        return stored.active(context.scene) is None
+
+
+class FCN_PT_detect_below(Detecting, bpy.types.Panel):
+    """Beside a result it stands below that, so that the lists stay where they are when something is selected."""
+
+    @classmethod
+    def poll(cls, context):
+        return stored.active(context.scene) is not None
 
 
 def _draw_copy(layout, settings, faces):
@@ -67,37 +80,41 @@ def _draw_copy(layout, settings, faces):
 
 def _draw_thresholds(layout, item):
     box, curves = layout.box(), item.fcn_curves
-    text = iface_("{shown:,} of {total:,} curves").format(shown=curves.shown, total=curves.total)
-    box.label(text=text, icon="CURVE_DATA", translate=False)
-    if curves.detail:
-        text = iface_("Detail {detail:.1f} edge lengths").format(detail=curves.detail)
-        box.label(text=text, icon="BLANK1", translate=False)
-    if curves.remarks:
-        box.label(text=curves.remarks, icon="ERROR", translate=False)
+    text = iface_("{shown:,} of 1 curve") if curves.total == 1 else iface_("{shown:,} of {total:,} curves")
+    text = text.format(shown=curves.shown, total=curves.total)
+    lines = box.column(align=True)
+    lines.label(text=text, icon="CURVE_DATA", translate=False)
+    text = iface_("Detail {detail:.1f} edge lengths").format(detail=curves.detail) if curves.detail else ""
+    lines.label(text=text, icon="BLANK1", translate=False)
+    lines.label(text=curves.remarks, icon="ERROR" if curves.remarks else "BLANK1", translate=False)
     column = box.column()
     column.enabled = kept.can_change(item)
     column.prop(curves, "fold", slider=True)
     column.prop(curves, "length")
-    if not kept.can_change(item):
-        box.label(text="Detect again to change these", icon="INFO")
+    can_change = kept.can_change(item)
+    box.label(text="" if can_change else "Detect again to change these", icon="BLANK1" if can_change else "INFO")
 
 
-class FCN_PT_detect_more(Sidebar, bpy.types.Panel):
+class Thresholds(Sidebar):
     bl_label = "Thresholds"
-    bl_parent_id = "FCN_PT_detect"
     bl_options = {"DEFAULT_CLOSED"}
-
-    @classmethod
-    def poll(cls, context):
-        return detecting.scan_of(context) is not None
 
     def draw(self, context):
         layout = self.layout
         layout.enabled = not session.running()
-        known = kept.measured(detecting.scan_of(context).name)
+        scan = detecting.scan_of(context)
+        known = None if scan is None else kept.measured(scan.name)
         edge_length = known.edge_length if known is not None else None
         lengths.draw(layout, context, context.scene.fcn.detection, ADVANCED, IN_EDGES, edge_length)
         _draw_trial(layout.box().column(align=True), trial.latest())
+
+
+class FCN_PT_detect_more(Thresholds, bpy.types.Panel):
+    bl_parent_id = "FCN_PT_detect"
+
+
+class FCN_PT_detect_more_below(Thresholds, bpy.types.Panel):
+    bl_parent_id = "FCN_PT_detect_below"
 
 
 def _draw_trial(box, found):

@@ -10,10 +10,12 @@ from ..fcn_addon import manual
 DETECT, COMPLETE = "From a scan to curves", "From curves to a result"
 PARTS, OCCURRENCE = "The parts of the panel", "Occurrences"
 FILES = "Files in and out"
+PREFERENCES, START, KNOW = "Preferences", "Install in three steps", "Good to know"
 SECTIONS = (  # pattern of what Blender calls a button, in small letters -> heading
     ("bpy.ops.fcn.detect*", DETECT),
     ("bpy.types.fcn_pg_detection*", DETECT),
     ("bpy.types.fcn_pg_curves*", DETECT),
+    ("bpy.ops.fcn.complete_scan*", DETECT),
     ("bpy.ops.fcn.complete*", COMPLETE),
     ("bpy.ops.fcn.cancel*", COMPLETE),
     ("bpy.types.fcn_pg_parameters*", COMPLETE),
@@ -24,6 +26,9 @@ SECTIONS = (  # pattern of what Blender calls a button, in small letters -> head
     ("bpy.ops.fcn.make_unique*", OCCURRENCE),
     ("bpy.ops.fcn.import_curves*", FILES),
     ("bpy.ops.fcn.export_curves*", FILES),
+    ("bpy.ops.fcn.try_example*", START),
+    ("bpy.ops.fcn.manual*", KNOW),
+    ("bpy.types.fcn_ap_preferences*", PREFERENCES),
     ("bpy.ops.fcn.*", PARTS),
     ("bpy.types.fcn_*", PARTS),
     ("bpy.types.scene.fcn*", PARTS),

@@ -8,6 +8,7 @@ from bpy.app.translations import pgettext_iface as iface_
 
 from ..fcn_addon.job import session
 from ..fcn_addon.result import stored
+from ..fcn_addon.result import views as views_of
 from ..fcn_addon.scene import origin
 from ..fcn_addon.scene.units import unit_length
 from ..fcn_addon.wording import counted
@@ -93,15 +94,17 @@ class FCN_PT_result(OfResult, bpy.types.Panel):
             layout.label(text=text, icon="ERROR", translate=False)
         views = layout.grid_flow(row_major=True, columns=2, even_columns=True, align=True)
         for view in ("RESULT", "COMPONENTS", "TEMPLATES", "INPUT"):
-            views.prop_enum(result, "view", view)
-        layout.prop(result, "support", text="Hide Below Support", slider=True)
-        row = layout.row()
-        row.template_list(
+            cell = views.row(align=True)
+            cell.enabled = views_of.can_show(root, view)
+            cell.prop_enum(result, "view", view)
+        row = layout.row(align=True)
+        row.prop(result, "support", text="Hide Below Support", slider=True)
+        row.prop(result, "solo", text="", icon="SOLO_ON" if result.solo else "SOLO_OFF")
+        row.operator("fcn.restore", text="", icon="LOOP_BACK")
+        # Over the whole width: names would be cut beside buttons, where many rows bring a scroll bar.
+        layout.template_list(
             FCN_UL_templates.bl_idname, "", result, "template_rows", result, "active_template", rows=3, maxrows=3
         )
-        side = row.column(align=True)
-        side.prop(result, "solo", text="", icon="SOLO_ON" if result.solo else "SOLO_OFF")
-        side.operator("fcn.restore", text="", icon="LOOP_BACK")
         layout.template_list(FCN_UL_places.bl_idname, "", result, "places", result, "active_place", rows=3, maxrows=3)
 
 

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
@@ -115,18 +116,32 @@ def _tangent_joints(samples, chain):
 def _merged(samples, chain):
     """The chain with neighbours made one piece wherever that costs less."""
     numbers = NUMBERS[dimension(samples)]
+
+    # Most neighbours are the same after two others were made one.
+    @cache
+    def least(kind, a, b):
+        return _least_left(samples.points[a:b], kind)
+
+    @cache
+    def fit(kind, a, b):
+        return fitted(samples, first_chain(samples.points, np.array([kind]), np.array([[a, b]]), False))
+
+    @cache
+    def is_near(kind, a, b):
+        return _within(samples, fit(kind, a, b))
+
     while len(chain.kinds) > (2 if chain.closed else 1):
         best, found = 1e-9, None
         for i in range(len(chain.kinds) - 1):
             pair = chain.unexplained[[i, i + 1]].sum() + samples.price * (numbers[chain.kinds[[i, i + 1]]].sum())
             pair -= samples.price * _saved(samples)
-            a, b = chain.ranges[i, 0], chain.ranges[i + 1, 1]
+            a, b = int(chain.ranges[i, 0]), int(chain.ranges[i + 1, 1])
             for kind in range(3):
                 gain = pair - samples.price * numbers[kind]
-                if gain <= best or b - a < LEAST[kind] or _hopeless(samples, kind, a, b, gain):
+                if gain <= best or b - a < LEAST[kind] or least(kind, a, b) > 2 * gain * samples.variance:
                     continue
-                one = fitted(samples, first_chain(samples.points, np.array([kind]), np.array([[a, b]]), False))
-                if gain - one.unexplained[0] > best and _within(samples, one):
+                one = fit(kind, a, b)
+                if gain - one.unexplained[0] > best and is_near(kind, a, b):
                     best, found = gain - one.unexplained[0], (i, one)
         if found is None:
             return chain
@@ -134,15 +149,13 @@ def _merged(samples, chain):
     return chain
 
 
-def _hopeless(samples, kind, a, b, gain):
-    """Whether a piece from sample a to b, by what is known without fitting it, leaves far more than may be left."""
-    moments, a, b = Moments.of(samples.points[a:b]), np.array([0]), np.array([b - a])
-    left, mean, spread = line_cost(moments, a, b)
-    if kind == 1:
-        left = arc_cost(moments, a, b, mean, spread)
+def _least_left(points, kind):
+    """What a piece of a kind leaves of points at least, by what is known without fitting it."""
+    moments, a, b = Moments.of(points), np.array([0]), np.array([len(points)])
     if kind == 2:
-        left = cubic_cost(moments, a, b) / LOOSE
-    return left[0] > 2 * gain * samples.variance
+        return cubic_cost(moments, a, b)[0] / LOOSE
+    left, mean, spread = line_cost(moments, a, b)
+    return (arc_cost(moments, a, b, mean, spread) if kind == 1 else left)[0]
 
 
 LOOSE = 50

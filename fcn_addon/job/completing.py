@@ -137,7 +137,7 @@ def finish(context, task, completion, fitted=None):
     names = templates.kept_names(earlier, completion)
     root = writer.write(
         completion, task.reading.curves, source=task.label, scene=scene, length=length, fitted=fitted, form=form,
-        names=names,
+        names=names, keep=preferences.keep(),
     )  # fmt: skip
     try:
         stored.describe(root, completion, task, length, names)
@@ -152,6 +152,7 @@ def finish(context, task, completion, fitted=None):
     if earlier:
         templates.settle_names(root)
     sources = [source.find(bpy.data.objects) for source in task.sources]
+    preferences.put(scene, root)
     scan_lock.lock(root, scan_lock.scans_of(sources, scene.fcn))
     root.name = f"FCN {task.label}"[:63]
     scene.fcn.result = root

@@ -16,7 +16,7 @@ from .. import rates, scans
 from ..detected import edge_mesh, kept
 from ..detected.kept import Measured
 from ..installation import require_scipy
-from ..properties import from_parameters
+from ..properties import from_parameters, preferences
 from ..properties import settings as of_scene
 from ..reading import reader, working_copy
 from ..scene import libraries
@@ -166,7 +166,9 @@ def finish(context, task, made):
     for old in earlier:
         kept.remove(old)
     item.name = f"{task.label} curves"
-    if context.scene == scene:
+    preferences.put(scene, item)
+    context.view_layer.update()
+    if context.scene == scene and item.name in context.view_layer.objects:  # which may exclude its collection
         for other in context.selected_objects:
             other.select_set(False)
         item.select_set(True)

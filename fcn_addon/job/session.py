@@ -115,7 +115,8 @@ def tick() -> bool:
         _run.progress.update(stage, fraction, now)
     else:
         _run.progress.look(now)
-    shown = (_run.job.stopping, _run.progress.label, round(_run.progress.fraction, 2), round(_run.progress.left(now)))
+    share = min(round(_run.progress.fraction, 2), 0.99)  # all of it is over when the result is there
+    shown = (_run.job.stopping, _run.progress.label, share, round(_run.progress.left(now)))
     changed, _run.shown = shown != _run.shown, shown
     if changed:
         _say(shown)

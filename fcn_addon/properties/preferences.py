@@ -4,10 +4,10 @@
 from __future__ import annotations
 
 import bpy
-from bpy.props import EnumProperty, FloatVectorProperty, IntProperty
+from bpy.props import EnumProperty, FloatVectorProperty, IntProperty, StringProperty
 
 from .. import colours
-from ..result.writer import FORMS
+from ..result.writer import BESIDE, FORMS
 
 
 class FCN_AP_preferences(bpy.types.AddonPreferences):
@@ -28,6 +28,19 @@ class FCN_AP_preferences(bpy.types.AddonPreferences):
         description="What a run does with the earlier result of the same curves in new files",
         items=(("REPLACE", "Replace", "Remove it"), ("KEEP", "Keep", "Leave it beside the new one")),
     )
+    collection: StringProperty(
+        name="Collection",
+        description="Name of the collection that new results and detected curves are put into. It is made where it is "
+        "missing; without a name they are put into that of the scene",
+        maxlen=63,
+    )
+    keep: EnumProperty(
+        name="Keep",
+        description="What new results have beside the completed curves",
+        items=BESIDE,
+        options={"ENUM_FLAG"},
+        default={key for key, *_ in BESIDE},
+    )
     template_colour: FloatVectorProperty(
         name="Templates", description="Colour of the curves of templates in new results", subtype="COLOR", size=3,
         min=0.0, max=1.0, default=colours.TEMPLATE,
@@ -43,6 +56,8 @@ class FCN_AP_preferences(bpy.types.AddonPreferences):
         layout.prop(self, "form")
         layout.prop(self, "threads")
         layout.prop(self, "earlier", expand=True)
+        layout.prop(self, "collection", placeholder="Scene Collection")
+        layout.prop(self, "keep")
         layout.prop(self, "template_colour")
         layout.prop(self, "strong_colour")
         layout.operator("fcn.manual", icon="HELP")
@@ -61,6 +76,29 @@ def paint(root):
     if chosen is not None:
         root.fcn_result.template_colour = chosen.template_colour
         root.fcn_result.strong_colour = chosen.strong_colour
+
+
+def keep():
+    """What new results have beside the completed curves, see `writer.BESIDE`; None for all."""
+    chosen = of_user()
+    return None if chosen is None else set(chosen.keep)
+
+
+def put(scene, made):
+    """Move a result or an object, which is in the collection of the scene, into that which the preferences name."""
+    chosen = of_user()
+    name = chosen.collection.strip() if chosen is not None else ""
+    if not name:
+        return
+    top = scene.collection
+    inside = (c for c in top.children_recursive if c.name == name and c.library is None)
+    home = next((c for c in inside if not c.fcn_result.is_result), None)
+    if home is None:
+        home = bpy.data.collections.new(name)
+        top.children.link(home)
+    kind = "objects" if isinstance(made, bpy.types.Object) else "children"
+    getattr(home, kind).link(made)
+    getattr(top, kind).unlink(made)
 
 
 def begin(scene):

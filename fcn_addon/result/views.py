@@ -27,6 +27,11 @@ def child(root, role):
     return next((c for c in root.children if c.get(ROLE) == role), None)
 
 
+def can_show(root, view) -> bool:
+    """Whether a result has what a view shows."""
+    return any(collection.get(ROLE) in SHOWN[view] for collection in root.children)
+
+
 def update(group, _context):
     """Called by Blender when a property of a result changes."""
     root = group.id_data

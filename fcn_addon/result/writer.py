@@ -36,9 +36,15 @@ FORMS = (
     ("DENSE", "Dense Curves", "Curves with a point for every edge length of the scan"),
     ("MESH", "Edge Meshes", "Meshes of edges, with a point for every edge length of the scan"),
 )
+BESIDE = (
+    ("INPUT", "Input", "A copy of the curves as they were read; Source Curves needs it"),
+    ("COMPONENTS", "Components", "The completed curves by the feature that they show, beside the input that shows it"),
+    ("NOISE", "Noise", "What was dropped"),
+)
+"""What a result may keep beside the completed curves."""
 
 
-def write(completion, curves, *, source, scene, length=None, fitted=None, form="DENSE", names=None):
+def write(completion, curves, *, source, scene, length=None, fitted=None, form="DENSE", names=None, keep=None):
     """Make the collections and link them to a scene; on any fault everything that was made is removed.
 
     Parameters
@@ -49,6 +55,7 @@ def write(completion, curves, *, source, scene, length=None, fitted=None, form="
     fitted : FittedCompletion, the curves as primitives; needed where form is "HANDLES"
     form : what the objects are, one of `FORMS`
     names : template id -> what it is called; letters if None
+    keep : which of `BESIDE` to write, all if None
 
     Returns
     -------
@@ -60,7 +67,9 @@ def write(completion, curves, *, source, scene, length=None, fitted=None, form="
     """
     made = []
     try:
-        root = _Writer(made, completion, curves, fitted, form, names or {}).write(source, length or unit_length(scene))
+        keep = {key for key, *_ in BESIDE} if keep is None else keep
+        writer = _Writer(made, completion, curves, fitted, form, names or {}, keep)
+        root = writer.write(source, length or unit_length(scene))
         scene.collection.children.link(root)
     except BaseException:
         bpy.data.batch_remove(made)
@@ -112,9 +121,9 @@ class _Maker:
 class _Writer(_Maker):
     """Makes the data of one result."""
 
-    def __init__(self, made, completion, curves, fitted, form, names):
+    def __init__(self, made, completion, curves, fitted, form, names, keep):
         super().__init__(made, form)
-        self.names, self.fitted = names, fitted
+        self.names, self.keep, self.fitted = names, keep, fitted
         self.completion = completion
         self.curves = curves
         self.components = {}
@@ -122,19 +131,22 @@ class _Writer(_Maker):
 
     def write(self, source, length):
         root = self._collection(f"FCN {source}"[:63])
-        self._input(self._role("Input", root, hidden=True))
-        templates = self._role("Templates", root)
-        components = self._role("Components", root)
-        self._templates(templates, titles(self.completion.transformations, length))
-        self._components(components)
+        if "INPUT" in self.keep:
+            self._input(self._role("Input", root, hidden=True))
+        self._templates(self._role("Templates", root), titles(self.completion.transformations, length))
+        if "COMPONENTS" in self.keep:
+            self._components(self._role("Components", root))
         self._strong(self._role("Strong", root))
-        noise = self._role("Noise", root, hidden=True)
-        pieces = np.flatnonzero(self.completion.inputs.kind == "noise")
-        if len(pieces):
-            self._pieces("Noise", pieces, noise, colours.NOISE)
+        if "NOISE" in self.keep:
+            self._noise(self._role("Noise", root, hidden=True))
         if self.step:
             root[STEP] = self.step
         return root
+
+    def _noise(self, collection):
+        pieces = np.flatnonzero(self.completion.inputs.kind == "noise")
+        if len(pieces):
+            self._pieces("Noise", pieces, collection, colours.NOISE)
 
     def _input(self, collection):
         """The input as one edge mesh, about its own centre, so that float32 holds it far from the origin too."""

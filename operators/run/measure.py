@@ -4,9 +4,9 @@
 from __future__ import annotations
 
 import bpy
-from bpy.app.translations import pgettext_rpt as rpt_
 
 from ...fcn_addon.job import chosen, summary
+from ...fcn_addon.wording import counted
 from ..base import Idle
 
 
@@ -23,6 +23,6 @@ class FCN_OT_measure(Idle, bpy.types.Operator):
         if isinstance(found, str):
             self.report({"ERROR"}, found)
             return {"CANCELLED"}
-        text = rpt_("{curves} curves, {samples} samples, {strong} strong curves")
-        self.report({"INFO"}, text.format(curves=found.curves, samples=found.samples, strong=found.strong))
+        numbers = ((found.curves, "curve"), (found.samples, "sample"), (found.strong, "strong curve"))
+        self.report({"INFO"}, ", ".join(counted(count, thing) for count, thing in numbers))
         return {"FINISHED"}

@@ -17,6 +17,7 @@ EXTENSION = "bl_ext.user_default.fcn_addon"
 STEP = 0.02  # seconds between two looks at what the session waits for
 ROUNDS = 2  # of Blender's main loop, at least: a busy machine is slow to take in what the mouse does
 PATIENCE = 300.0
+SHARES, LEFT, RIGHT = (33, 62, 74), (11,), (83, 75)  # of the width of the sidebar, per cent: where buttons are
 
 
 class Driver:
@@ -126,12 +127,13 @@ class Driver:
         self.event(kind, "RELEASE", x, y)
         yield 0.1
 
-    def find(self, wanted, found, near=False):
+    def find(self, wanted, found, near=False, shares=SHARES):
         """Look for a button of the sidebar by moving the mouse over it; a generator that fills the list `found`.
 
         wanted : part of what "Copy Python Command" or "Copy Data Path" gives for the button
         found : gets (x, y) of the first place, from the top
         near : look about the button that was found last first
+        shares : of the width, per cent, where it is looked for
         """
         region = self.region("UI")
         for place in [self.places[name] for name in self.places if wanted in name]:  # where it was before
@@ -145,7 +147,7 @@ class Driver:
         if near and self.last:
             rows.sort(key=lambda y: abs(y - self.last))
         for y in rows:
-            for x in (region.x + region.width * share // 100 for share in (33, 62, 74)):
+            for x in (region.x + region.width * share // 100 for share in shares):
                 self.move(x, y)
                 yield 0.03
                 said = self.under_mouse()
@@ -170,10 +172,10 @@ class Driver:
                         return manager.clipboard
         return ""
 
-    def press(self, wanted, near=False):
+    def press(self, wanted, near=False, shares=SHARES):
         """Find a button of the sidebar and click it, see `find`; a generator."""
         found = []
-        yield from self.find(wanted, found, near)
+        yield from self.find(wanted, found, near, shares)
         yield from self.click(*found[0])
 
     def choose(self, name, column, row):
@@ -192,14 +194,18 @@ class Driver:
         self.area.spaces.active.show_region_ui = True
         yield 0.4
         region = self.region("UI")
-        region.active_panel_category = category
-        region.tag_redraw()
+        while region.active_panel_category != category:  # it has no tabs before it is drawn
+            region.active_panel_category = category
+            region.tag_redraw()
+            yield 0.1
         self.move(region.x + 60, region.y + region.height // 2)
         yield 0.4
 
     def picture(self, name):
         """Take a picture of the screen (Blender's own screenshot is black without a graphics card)."""
         path = os.path.join(self.pictures, f"{name}.png")
+        with bpy.context.temp_override(window=self.window):  # what was tagged may not be drawn yet
+            bpy.ops.wm.redraw_timer(type="DRAW_WIN_SWAP", iterations=1)
         subprocess.run(["import", "-window", "root", "+dither", "-colors", "255", path], check=True)
 
     def note(self, text):

@@ -29,6 +29,12 @@ def session(driver):
     yield 1.0
     driver.picture("install-2-enabled")
 
+    bpy.ops.preferences.addon_expand(module=EXTENSION)
+    area.tag_redraw()
+    yield 0.5
+    driver.picture("install-4-preferences")
+    bpy.ops.preferences.addon_expand(module=EXTENSION)
+
     area.type = "VIEW_3D"
     yield 0.5
     yield from driver.sidebar(CATEGORY)

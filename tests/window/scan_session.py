@@ -37,6 +37,27 @@ def prepare(driver):
     bpy.ops.ed.undo_push(message="ready")
 
 
+def still(driver, chosen):
+    """Whatever is selected, what lies below all that is about the selection stays where it is; a generator."""
+    found = []
+    for item in chosen:
+        for other in bpy.context.selected_objects:
+            other.select_set(False)
+        if item is not None:
+            item.select_set(True)
+        bpy.context.view_layer.objects.active = item
+        driver.region("UI").tag_redraw()
+        yield 0.4
+        driver.move(driver.region("UI").x + 30, driver.region("UI").y + 30)
+        yield 0.2
+        if not found:
+            yield from driver.find("fcn.form", found)
+        driver.move(found[0][0], found[0][1] - 6)
+        yield 0.3
+        seen = driver.under_mouse()
+        assert "fcn.form" in seen, (item, seen)
+
+
 def session(driver):
     assert bpy.ops.preferences.addon_enable(module=EXTENSION) == {"FINISHED"}
     running = sys.modules[f"{EXTENSION}.fcn_addon.job.session"]
@@ -70,6 +91,7 @@ def session(driver):
     assert curves.total > 20 and bpy.context.active_object == item
     yield 0.5
     driver.picture("s2-curves")
+    yield from still(driver, (item, None, wall, item))
 
     print("-- the threshold, by dragging it", flush=True)
     found = []

@@ -53,6 +53,18 @@ def click_on(driver, item):
     assert active is not None and active.get("occurrence") == item["occurrence"], f"{item.name} was not taken"
 
 
+def choose(driver, number, dense):
+    """Make a curve of an occurrence of the first template active: by a click on it, or where curves of others lie
+    beside it by the arrow of the list, which also looks at it; a generator."""
+    if not dense:
+        yield from click_on(driver, occurrence(number))
+        return
+    yield from driver.press(f"bpy.ops.fcn.select_template(index=-1, place={number})")
+    yield 0.3
+    active = bpy.context.view_layer.objects.active
+    assert active is not None and active.get("occurrence") == number and active.select_get()
+
+
 def undo(driver, again=False):
     yield from driver.key("Z", ctrl=True, shift=again)
 
@@ -68,7 +80,8 @@ def walk(driver, folder, known=RECORD):
         assert [row[1:] for row in start["rows"]] == [(known["places"], 0)] * known["templates"], start["rows"]
     places = sum(count for _, count, _ in start["rows"])
     began, clicks = time.monotonic(), driver.clicks
-    yield from click_on(driver, occurrence(0))
+    dense = known is None
+    yield from choose(driver, 0, dense)
     yield from driver.press("bpy.ops.fcn.edit_template()")
     yield lambda: bpy.context.mode == "EDIT_CURVE"
     before = record(driver)["shapes"]
@@ -80,11 +93,11 @@ def walk(driver, folder, known=RECORD):
     yield from driver.key("TAB")
     yield lambda: bpy.context.mode == "OBJECT" and not driver.area.spaces.active.overlay.show_fade_inactive
     assert record(driver)["shapes"] != before, "nothing was moved"
-    yield from click_on(driver, occurrence(1))
+    yield from choose(driver, 1, dense)
     yield from driver.press("bpy.ops.fcn.make_unique()", near=True)
     assert any("unique" in o for o in bpy.context.scene.fcn.result.all_objects)
     last = start["rows"][0][1] - 1
-    yield from click_on(driver, occurrence(last))
+    yield from choose(driver, min(last, 2) if dense else last, dense)  # the list shows three rows
     yield from driver.press("bpy.ops.fcn.reject_occurrence()", near=True)
     end = record(driver)
     assert end["rows"][0][1:] == (last, 1) and end["rows"][1:] == start["rows"][1:], end["rows"]

@@ -14,3 +14,11 @@ def fcn(bpy, part, capsys):
         return code, capsys.readouterr().err
 
     return run
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch, arcs):
+    """The current folder, with one input in it."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "in.obj").write_text(arcs())
+    return tmp_path

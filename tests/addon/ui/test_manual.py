@@ -61,6 +61,42 @@ def test_markdown_becomes_what_it_means(part):
         assert wanted in found
 
 
+LEADS = {  # heading -> operators that it is about
+    "Install in three steps": {"try_example"},
+    "From a scan to curves": {"detect", "complete_scan"},
+    "From curves to a result": {"complete", "cancel"},
+    "The parts of the panel": {
+        "measure", "save_preset", "apply", "remove_result", "restore", "select_template", "select_transformation",
+        "reject_transformation",
+    },
+    "Occurrences": {
+        "select_occurrence", "select_source", "select_result", "edit_template", "make_unique", "reject_occurrence",
+        "delete_occurrence",
+    },
+    "Files in and out": {"import_curves", "export_curves"},
+    "Good to know": {"manual"},
+}  # fmt: skip
+
+
+def heading_of(part, name):
+    """The heading of the manual that Blender opens for what it calls a button."""
+    from bl_operators.wm import WM_OT_doc_view_manual
+
+    url = WM_OT_doc_view_manual._lookup_rna_url(name, verbose=False)
+    manual = part("fcn_addon.manual")
+    headings = [line[3:] for line in manual.SOURCE.read_text(encoding="utf-8").splitlines() if line.startswith("## ")]
+    return next(h for h in headings if manual.anchor(h) == url.partition("#")[2])
+
+
+def test_every_operator_leads_to_what_is_said_of_it(bpy, part):
+    wanted = {f"fcn.{name}": heading for heading, names in LEADS.items() for name in names}
+    idnames = [cls.bl_idname for cls in part("operators").CLASSES]
+    assert {name: heading_of(part, f"bpy.ops.{name}") for name in idnames} == wanted
+    assert heading_of(part, "bpy.types.FCN_AP_preferences.keep") == "Preferences"
+    assert heading_of(part, "bpy.types.FCN_PG_detection.detail") == "From a scan to curves"
+    assert heading_of(part, "bpy.types.FCN_PG_result.solo") == "The parts of the panel"
+
+
 def test_every_button_leads_to_a_part_of_the_manual_that_is_there(bpy, part, page):
     from bl_operators.wm import WM_OT_doc_view_manual
 

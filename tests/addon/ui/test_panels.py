@@ -43,6 +43,12 @@ class Written:
         return Written(self.rna, self.said, self.buttons) if name in LAYOUTS else None
 
 
+def is_seen(bpy, panel):
+    """Whether Blender would draw a panel: it and those that it is in."""
+    outer = getattr(bpy.types, getattr(panel, "bl_parent_id", ""), None)
+    return (not hasattr(panel, "poll") or panel.poll(bpy.context)) and (outer is None or is_seen(bpy, outer))
+
+
 @pytest.fixture
 def panels(bpy, part):
     """Draws all panels that would be seen now: (texts, idnames of the buttons)."""
@@ -53,8 +59,7 @@ def panels(bpy, part):
         said, buttons = [], []
         rna = bpy.types.UILayout.bl_rna
         for cls in part("ui").CLASSES:
-            seen = cls.poll(bpy.context) if hasattr(cls, "poll") else True
-            if issubclass(cls, bpy.types.Panel) and seen and not cls.__name__.endswith("presets"):
+            if issubclass(cls, bpy.types.Panel) and is_seen(bpy, cls) and not cls.__name__.endswith("presets"):
                 cls.draw(SimpleNamespace(layout=Written(rna, said, buttons)), bpy.context)
         for root in part("fcn_addon.result.stored").of_scene(bpy.context.scene):
             for i, row in enumerate(root.fcn_result.transformations):
@@ -84,7 +89,7 @@ def test_a_result_far_from_the_origin_says_how_coarse_places_are(panels, bpy, ma
     assert "Far from the origin: Blender rounds places to 50 cm" in panels()[0]
 
 
-def test_what_a_run_would_use(panels, bpy, wall):
+def test_what_a_run_would_use(panels, bpy, part, wall):
     bpy.context.scene.fcn.parameters.l0 = 4
     said, _ = panels()
     assert "4 curves of 1 object" in said
@@ -92,7 +97,9 @@ def test_what_a_run_would_use(panels, bpy, wall):
     assert re.fullmatch(r"\d+ samples, edge length [\d.]+ c?m", samples)
     assert any(re.fullmatch(r"\d+ strong curves", text) for text in said)
     assert any(re.fullmatch(r"About \d.* s", text) for text in said)
-    assert "edges" not in said  # each parameter in edge lengths stands beside its length in the scene
+    # Each parameter in edge lengths stands beside its length in the scene; thresholds have no scan here to know it.
+    detection = part("fcn_addon.properties.detection")
+    assert said.count("edges") == len({*detection.ADVANCED} & {*detection.IN_EDGES})
     other = wall.copy()
     bpy.context.scene.collection.objects.link(other)
     other.select_set(True)
@@ -138,6 +145,28 @@ def test_a_result(panels, bpy, made):
     assert f"{item.name}: {item['support']:.0%}" in panels()[0]
     bpy.context.view_layer.objects.active = item.parent
     assert item.parent.name in panels()[0]
+
+
+def test_what_is_selected_moves_no_panel_of_a_result(panels, bpy, part, made):
+    """Detect Curves is above all while there is no result, and below it afterwards."""
+    mesh = bpy.data.meshes.new("Scan")
+    mesh.from_pydata([(0, 0, 0), (3, 0, 0), (0, 4, 0)], [], [(0, 1, 2)])
+    scan = bpy.data.objects.new("Scan", mesh)
+    bpy.context.scene.collection.objects.link(scan)
+
+    def seen():
+        bpy.context.view_layer.update()
+        shown = [c for c in part("ui").CLASSES if issubclass(c, bpy.types.Panel) and is_seen(bpy, c)]
+        return [c.bl_label for c in shown if not getattr(c, "bl_parent_id", "") and not c.__name__.endswith("presets")]
+
+    for selected in (True, False):
+        scan.select_set(selected)
+        bpy.context.view_layer.objects.active = scan if selected else None
+        assert seen() == ["Complete Curves", "Result", "Detect Curves"]
+        assert ("Scan: 1 face" in panels()[0]) == selected
+        assert "fcn.detect" in panels()[1]
+    bpy.ops.fcn.remove_result()
+    assert seen() == ["Detect Curves", "Complete Curves"]
 
 
 def test_while_a_template_is_edited(panels, bpy, made):
