@@ -13,6 +13,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ..consolidation.joining import linked_paths
+from ..geometry.motions import apply
 from ..geometry.polylines import resample_polyline, smooth_polyline
 from .choosing import SHORTEST, Chosen
 from .evidence import Sightings
@@ -21,8 +22,9 @@ from .overlay import Overlay
 MEETING, AROUND = 3.0, 20
 """Tolerances: edge lengths between the ends of a curve that is a ring, and points that a ring has at least."""
 
-TWICE = 1.0
-"""Tolerance: edge lengths from another curve within which the same curve is drawn twice."""
+TWICE, MOSTLY = 1.5, 0.8
+"""Tolerances: edge lengths from another curve within which the same curve is drawn twice, and the share of it that must
+lie there."""
 
 GAP, FEW = 14.0, 5
 """Tolerance: longest gap that is joined before evidence is asked; bound on the work: poses of a thing up to which
@@ -63,17 +65,22 @@ def closed_up(chosen: Chosen) -> Chosen:
     return replace(chosen, closed=rings)
 
 
-def drawn_once(chosen: Chosen) -> Chosen:
-    """The curves without those that lie on longer ones of the same poses."""
+def drawn_once(chosen: Chosen, poses, shown) -> Chosen:
+    """The curves without those that lie on longer ones, at the same poses or at others: the sill of the next storey.
+
+    poses : (k, 4, 4); shown : (k, c) float64, share of each curve that each pose shows
+    """
     order = sorted(range(len(chosen.curves)), key=lambda i: (-len(chosen.curves[i]), i))
-    kept = []
+    kept, placed = [], np.zeros((0, 3))
     for i in order:
-        over = [k for k in kept if (chosen.sets[k] | ~chosen.sets[i]).all()]
-        if over:
-            tree = cKDTree(np.concatenate([chosen.curves[k] for k in over]))
-            if np.isfinite(tree.query(chosen.curves[i], distance_upper_bound=TWICE)[0]).all():
+        curve, mine = chosen.curves[i], np.flatnonzero(chosen.sets[i])
+        if len(placed):
+            seen = mine[shown[mine, i] >= 0.5 * shown[mine, i].max(initial=0)]
+            gap = cKDTree(placed).query(apply(poses[seen], curve), distance_upper_bound=TWICE)[0]
+            if 2 * (np.isfinite(gap).mean(axis=1) > MOSTLY).sum() >= len(seen):
                 continue
         kept.append(i)
+        placed = np.concatenate([placed, apply(poses[mine], curve).reshape(-1, 3)])
     return chosen.part(sorted(kept))
 
 

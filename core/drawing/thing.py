@@ -86,9 +86,10 @@ class Drawer:
         chosen = chosen.part([i for i, c in enumerate(chosen.curves) if not ways.slides(c)])
         if not chosen.curves:
             return None
-        chosen = drawn_once(closed_up(self._trimmed(chosen, poses)))
+        chosen = closed_up(self._trimmed(chosen, poses))
         if not chosen.curves:
             return None
+        chosen = drawn_once(chosen, poses, self._shares(chosen, poses))
         return Drawing(*self._fitted(chosen, poses), kept)
 
     def _around(self, chosen: Chosen, poses):
@@ -102,6 +103,12 @@ class Drawer:
         p = self._typical(chosen, found, overlay)
         q = np.minimum(chances(chosen.curves, overlay, radius=self.radius), 0.9 * p)
         return trimmed(chosen, seen_by(found, overlay), found.offsets, p, q, self.least)
+
+    def _shares(self, chosen: Chosen, poses):
+        """(k, c) float64, share of each curve that each pose shows."""
+        overlay = self._around(chosen, poses)
+        found = sightings(chosen.curves, overlay, radius=self.radius)
+        return np.add.reduceat(seen_by(found, overlay), found.offsets[:-1], axis=1, dtype=float) / np.diff(found.offsets)
 
     def _chosen(self, region, core, poses) -> Chosen:
         overlay = gather(self.network, poses, region, self.free, self.margin)

@@ -29,12 +29,13 @@ LEAST_SEED, FAILURES, MOST, SWEEPS = 8.0, 2, 40, 5
 ends, things that are looked for at most, and sweeps of the network for more poses of one."""
 
 
-def find_things(field: Field, seeds: Seeds, *, significance, tick=lambda: None, log=lambda *a: None):
+def find_things(field: Field, seeds: Seeds, *, significance, tick=lambda over=None: None, log=lambda *a: None):
     """Hypotheses (list) of a scene.
 
     Parameters
     ----------
     significance : E-value up to which a thing is taken
+    tick : called often, now and then with the share of the work that is over; may raise Cancelled, which is passed on
 
     Notes
     -----
@@ -46,15 +47,16 @@ def find_things(field: Field, seeds: Seeds, *, significance, tick=lambda: None, 
     lead, pairs = leading(field, seeds, tick=tick), PointPairs(field)
     dead = np.zeros(len(lead), bool)
     score, stale = lead.score.copy(), np.zeros(len(lead), bool)
-    growths, found, failures = {}, [], 0
+    growths, found, failures, rounds = {}, [], 0, 0
     while len(found) < MOST and failures < FAILURES:
         score = _fresh(field, lead, score, stale, taken, ~dead, tick)
         starts = _apart(field, lead, score, dead | taken[lead.source] | taken[lead.target])
         if not len(starts):
             break
-        for s in starts:
+        for k, s in enumerate(starts):
             if s not in growths:
                 growths[s] = _full_grown(field, lead, s, seeds, taken, pairs, tick)
+            tick(_over(rounds, GROWING * (k + 1) / len(starts)))
         best = None
         for s, rival in _by_saving(growths):
             thing = evident(field, rival.thing)
@@ -69,6 +71,7 @@ def find_things(field: Field, seeds: Seeds, *, significance, tick=lambda: None, 
                 dead[s] = True
                 break
             growths[s].remove(rival)
+        rounds += 1
         dead[[s for s in growths if not growths[s]]] = True
         if best is None:
             dead[list(growths)] = True
@@ -81,6 +84,16 @@ def find_things(field: Field, seeds: Seeds, *, significance, tick=lambda: None, 
         stale[:] = True
         growths = {s: x for s, x in growths.items() if not dead[s] and not any(t.touches(field, new) for t in x)}
     return found
+
+
+LEAD, REST, GROWING = 0.1, 0.4, 0.6
+"""Shares of the work, for the display of progress: with the leading seeds over; what each round leaves of what is left;
+and of a round with its starts grown. Measured on scenes of one to four rounds."""
+
+
+def _over(rounds, part):
+    """Share of the work that is over after some rounds and a part of the next one."""
+    return 1 - (1 - LEAD) * REST**rounds * (1 - (1 - REST) * part)
 
 
 def _cells_put_right(field, thing, expected, seeds, taken, significance, tick):

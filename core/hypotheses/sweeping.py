@@ -105,7 +105,7 @@ def _rarest(pair, count):
 
 
 def _led(thing, field, first, second):
-    """Poses (k, 4, 4) that take pairs of points of a thing (p, 2) onto pairs of samples (p, 2), those that glance well."""
+    """Poses (k, 4, 4) that take pairs of points of a thing (p, 2) onto pairs of samples (p, 2), the likely ones."""
     if not len(first):
         return np.zeros((0, 4, 4))
     a, b = thing.points[first], field.points[second]
