@@ -47,6 +47,9 @@ HIDDEN = 2.3
 """Nats that a pose may say against a curve: at one place of ten a whole curve is hidden, or not detected at all. One of
 six windows that lacks its sill has a sill; what half of them lack is another kind."""
 
+RARE = 2.3
+"""Nats against a curve of a set of poses of its own: of ten curves nine are wherever the thing is."""
+
 SPREAD = 5.0
 """Edge lengths by which poses must spread in a direction to lie on sides of it (tolerance)."""
 
@@ -173,9 +176,10 @@ def _best_set(seen, ring, p, q, sets, halves, least, price):
     options += [(known, np.log(1 + len(sets)), price) for known in sets if not known.all()]
     if len(halves):
         half = halves[np.argmax(halves @ each)]
-        options.append((half, np.log(len(halves)), price + PLACES))
+        options.append((half, RARE + np.log(len(halves)), price + PLACES))
     if 2 <= m < k:
-        options.append((own, gammaln(k + 1) - gammaln(m + 1) - gammaln(k - m + 1) + np.log(k), price + PLACES))
+        which = gammaln(k + 1) - gammaln(m + 1) - gammaln(k - m + 1) + np.log(k)
+        options.append((own, RARE + which, price + PLACES))
     best = None, [], 0.0
     enough = price
     for mine, cost, asked in options:
