@@ -28,7 +28,7 @@ BENT = 0.5
 """Radians by which one of the directions must turn from the line through both points: a pair along one straight line
 fixes no turn about it (tolerance)."""
 
-ASKED, PAIRS, EACH = 4000, 300, 12
+ASKED, PAIRS, EACH = 1500, 200, 8
 """Pairs of a thing of which the rarest are taken, how many, and at how many each point may be; counts that bound the
 work."""
 
@@ -65,9 +65,9 @@ class PointPairs:
         feature, bent = features(thing.points, thing.tangents, mine)
         mine, feature = mine[bent], feature[bent]
         mine, feature = np.concatenate([mine, mine[:, ::-1]]), np.concatenate([feature, feature[:, [0, 2, 1, 3]]])
-        count = tree.query_ball_point(feature, 1.0, return_length=True)
+        count = tree.query_ball_point(feature, 1.0, p=np.inf, return_length=True)
         use = _rarest(mine, count)
-        found = tree.query_ball_point(feature[use], 1.0)
+        found = tree.query_ball_point(feature[use], 1.0, p=np.inf)
         first = np.repeat(mine[use], [len(f) for f in found], axis=0)
         second = self.nodes[pair[np.concatenate([np.asarray(f, np.int64) for f in found])]] if len(first) else pair[:0]
         return _led(thing, self.field, first, second)
@@ -93,9 +93,10 @@ def _pairs_of(points):
 
 
 def _rarest(pair, count):
-    """Indices of the pairs that few are like, each point at few of them."""
+    """Indices of the pairs that few are like, but some, each point at few of them."""
     often, out = np.zeros(pair.max(initial=-1) + 1, int), []
-    for k in np.argsort(count, kind="stable"):
+    order = np.argsort(count, kind="stable")
+    for k in order[count[order] > 0]:
         if (often[pair[k]] < EACH).all():
             often[pair[k]] += 1
             out.append(k)

@@ -89,7 +89,7 @@ def oriented(field: Field, thing: Hypothesis, taken, *, by_all=False) -> Hypothe
         _View(thin[k], [replace_frame(field.probe(around[k][:: thin[k]]), inverse(t)) for t in tries[k]])
         for k in range(len(thing))
     ]
-    way = _by_all(views) if by_all else _from_pose_to_pose(thing, tries, views, best)
+    way = _by_all(thing, tries, views) if by_all else _from_pose_to_pose(thing, tries, views, best)
     if not way.any():
         return thing
     return replace(thing, poses=tries[np.arange(len(way)), way])
@@ -142,15 +142,20 @@ def _from_pose_to_pose(thing, tries, views, best):
     return way
 
 
-def _by_all(views, rounds=6):
-    """The ways (k,) after each pose was turned as all the others say, until none turns."""
+def _by_all(thing, tries, views, rounds=6):
+    """The ways (k,) after each pose was turned as all the others say, until none turns; of ways that they say alike the
+    one that is turned least from the pose beside."""
     way = np.zeros(len(views), np.int64)
+    centres = thing.centres()
+    beside = cKDTree(centres).query(centres, k=2)[1][:, 1]
     for _ in range(rounds):
         before = way.copy()
         for k in range(len(way)):
             agree = _agreement(views[k], [views[j].ways[way[j]] for j in range(len(way)) if j != k])
             if agree.max() > agree[way[k]] + _tells(len(way) - 1):
-                way[k] = int(agree.argmax())
+                like = np.einsum("wij,ij->w", tries[k][:, :3, :3], tries[beside[k], way[beside[k]], :3, :3])
+                like[agree < agree.max() - _tells(len(way) - 1)] = -np.inf
+                way[k] = int(like.argmax())
         if (way == before).all():
             break
     return way

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from core.errors import InputError
-from core.network.building import build_network
+from core.network.building import build_network, faithful_smoothing
 from core.network.edge_length import estimate, estimate_edge_length
 from core.values import Curves
 from tests import naive
@@ -267,3 +267,21 @@ def test_every_tangent_is_a_direction():
     long = np.linspace([0, 10, 0], [40, 10, 0], 41)
     net = build_network(Curves.from_list([loop, spike, long, loop * 0.3 + 3]), edge_length=1.0, smoothing=0.0)
     assert np.allclose(np.linalg.norm(net.tangents, axis=1), 1)
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.25, 0.5])
+def test_drawing_smooths_as_noise_asks(rng, noise):
+    curves = Curves.from_list([shapes.circle(20.0, [60 * k, 0, 0]) + noise * rng.normal(size=(126, 3)) for k in range(4)])
+    width = faithful_smoothing(curves, edge_length=1.0, most=3.0)
+    larger = Curves.from_list([7.0 * curves.curve(i) for i in range(4)])
+    assert faithful_smoothing(larger, edge_length=7.0, most=3.0) == width
+    assert width == 0.75 if noise == 0 else 1.0 < width <= 3.0
+    assert faithful_smoothing(curves, edge_length=1.0, most=0.5) == 0.5
+
+
+def test_more_noise_asks_for_more_smoothing(rng):
+    def width(noise):
+        lines = [shapes.line(120, (0, 30 * k, 0)) + noise * rng.normal(size=(120, 3)) for k in range(5)]
+        return faithful_smoothing(Curves.from_list(lines), edge_length=1.0, most=5.0)
+
+    assert width(0.1) < width(0.3) < width(0.9)

@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A known thing is found wherever it stands; what is symmetric is turned as all say; what pays is kept."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from core.evidence.field import Field, Probe
+from core.geometry.motions import apply
+from core.hypotheses.hypothesis import Hypothesis
+from core.hypotheses.sweeping import PointPairs, features
+from core.hypotheses.symmetry import oriented
+from core.transformations.description import worth_saying
+from tests.core.shapes import circle, line, network, ornament, random_motion, to_frame, wiggle
+
+
+def standing(rng, count):
+    """Poses (k, 4, 4) that stand apart, turned each its own way."""
+    poses = np.array([random_motion(rng, reach=1.0) for _ in range(count)])
+    poses[:, :3, 3] = [[90.0 * k, 25.0 * (k % 3), 0] for k in range(count)]
+    return poses
+
+
+def placed(curves, poses):
+    return [apply(pose[None], c)[0] for pose in poses for c in curves]
+
+
+def thing_at(net, curves, poses):
+    """The thing of curves in their own frame, at poses, in the frame of a network."""
+    origin = to_frame(net, np.zeros((1, 3)))[0]
+    axes = to_frame(net, np.eye(3)) - origin
+    frame = np.eye(4)
+    frame[:3, :3], frame[:3, 3] = axes.T, origin
+    alone = network(curves)
+    points = alone.points @ (alone.rotation).T * alone.unit + alone.centre
+    tangents = alone.tangents @ alone.rotation.T
+    probe = Probe(points[::2], tangents[::2])
+    k = len(poses)
+    return Hypothesis(probe, np.full(len(probe), 0.1), frame @ poses, np.full(k, 30.0), np.zeros(k))
+
+
+def test_a_thing_is_led_to_everywhere_though_half_is_hidden(rng):
+    curves = ornament(rng, 5, size=25, count=60)
+    poses = standing(rng, 7)
+    shown = [c[10:40] if k % 2 else c[: len(c) // 2 + 8] for k, c in enumerate(placed(curves, poses))]
+    net = network([*shown, *(wiggle(rng, 60) + rng.uniform(-50, 600, 3) * [1, 0.2, 0.2] for _ in range(6))])
+    thing = thing_at(net, curves, poses)
+    found = PointPairs(Field(net, radius=2.0)).poses(thing.at(np.zeros(1, int)))
+    assert thing.differences(thing.poses, found).min(axis=1).max() < 4.0
+
+
+def test_the_features_of_a_pair_are_its_own(rng):
+    points, lines = rng.normal(size=(20, 3)) * 15, rng.normal(size=(20, 3))
+    lines /= np.linalg.norm(lines, axis=1)[:, None]
+    pair = np.stack([np.arange(10), np.arange(10, 20)], axis=1)
+    feature, bent = features(points, lines, pair)
+    motion = random_motion(rng)
+    turned = features(apply(motion[None], points)[0], -lines @ motion[:3, :3].T, pair)
+    assert np.allclose(feature, turned[0]) and (bent == turned[1]).all()
+    swapped = features(points, lines, pair[:, ::-1])[0]
+    assert np.allclose(feature[:, [0, 2, 1, 3]], swapped)
+
+
+def test_a_straight_line_leads_nowhere():
+    net = network([line(80), line(80, start=(0, 60, 0))])
+    thing = thing_at(net, [line(40)], np.eye(4)[None])
+    assert len(PointPairs(Field(net, radius=2.0)).poses(thing)) == 0
+
+
+def flat_ring_with_a_mark():
+    """Two rails and a bar, which half a turn takes onto themselves, and a ring that it does not."""
+    rails = [line(80, start=(-40, y, 0)) for y in (-8, 8)]
+    return [*rails, line(16, start=(0, -8, 0), way=(0, 1, 0)), circle(5.0, (25, 0, 0), n=32)]
+
+
+def test_a_symmetric_thing_is_turned_as_all_say(rng):
+    curves = flat_ring_with_a_mark()
+    poses = np.tile(np.eye(4), (6, 1, 1))
+    poses[:, :3, 3] = [[0, 45.0 * k, 0] for k in range(6)]
+    half = np.diag([-1.0, -1.0, 1.0, 1.0])
+    net = network([c + 0.15 * rng.normal(size=c.shape) for c in placed(curves, poses)])
+    mixed = poses.copy()
+    mixed[[1, 4]] = poses[[1, 4]] @ half
+    thing = thing_at(net, curves[:3], mixed)
+    field = Field(net, radius=2.0)
+    out = oriented(field, thing, np.zeros(len(field), bool), by_all=True)
+    turns = out.poses[:, :3, :3] @ np.swapaxes(out.poses[:1, :3, :3], 1, 2)
+    assert np.trace(turns, axis1=1, axis2=2).min() > 2.9
+
+
+def test_where_nothing_tells_no_pose_is_turned(rng):
+    curves = flat_ring_with_a_mark()[:3]
+    poses = np.tile(np.eye(4), (4, 1, 1))
+    poses[:, :3, 3] = [[0, 45.0 * k, 0] for k in range(4)]
+    net = network([c + 0.15 * rng.normal(size=c.shape) for c in placed(curves, poses)])
+    field = Field(net, radius=2.0)
+    thing = thing_at(net, curves, poses)
+    assert oriented(field, thing, np.zeros(len(field), bool), by_all=True) is thing
+
+
+@pytest.mark.parametrize("score, kept", [(14.0, 6), (40.0, 7)])
+def test_a_pose_beside_an_orbit_must_pay_for_itself(rng, score, kept):
+    curves = ornament(rng, 3, size=15, count=40)
+    poses = np.tile(np.eye(4), (7, 1, 1))
+    poses[:, :3, 3] = [[60.0 * k, 0, 0] for k in range(7)]
+    poses[6] = random_motion(rng, reach=1.0)
+    poses[6, :3, 3] = [100.0, 80.0, 30.0]
+    thing = thing_at(network(curves), curves, poses)
+    scores = np.full(7, 14.0)
+    scores[6] = score
+    assert len(worth_saying(replace(thing, scores=scores))) == kept
