@@ -40,7 +40,7 @@ CHOSEN = 50.0
 """Edge lengths of the best fragment that count nothing: a match of l0 was chosen there, and chance hits run on for up
 to as much again. A longer fragment that recurs, such as one closed outline, is evidence of its own."""
 
-RATE, SCALE = 0.7, 10.0
+RATE, SCALE = 0.5, 8.0
 """Things per scene without recurrence whose evidence is above 0, and the scale of its exponential tail, nats; fitted on
 scenes without recurrence (see benchmarks)."""
 

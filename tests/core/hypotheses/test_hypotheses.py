@@ -118,7 +118,7 @@ def found():
     """A small scene, its true poses, its field and seeds, its things, and how often the search asked to go on."""
     net, true = scene(np.random.default_rng(4), 3)
     ticks = []
-    return net, true, *things_of(net, tick=lambda: ticks.append(1)), ticks
+    return net, true, *things_of(net, tick=lambda over=None: ticks.append(over)), ticks
 
 
 def test_things_are_found_where_they_are(found):
