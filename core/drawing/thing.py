@@ -108,7 +108,8 @@ class Drawer:
         """(k, c) float64, share of each curve that each pose shows."""
         overlay = self._around(chosen, poses)
         found = sightings(chosen.curves, overlay, radius=self.radius)
-        return np.add.reduceat(seen_by(found, overlay), found.offsets[:-1], axis=1, dtype=float) / np.diff(found.offsets)
+        seen = np.add.reduceat(seen_by(found, overlay), found.offsets[:-1], axis=1, dtype=float)
+        return seen / np.diff(found.offsets)
 
     def _chosen(self, region, core, poses) -> Chosen:
         overlay = gather(self.network, poses, region, self.free, self.margin)

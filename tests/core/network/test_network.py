@@ -271,7 +271,8 @@ def test_every_tangent_is_a_direction():
 
 @pytest.mark.parametrize("noise", [0.0, 0.25, 0.5])
 def test_drawing_smooths_as_noise_asks(rng, noise):
-    curves = Curves.from_list([shapes.circle(20.0, [60 * k, 0, 0]) + noise * rng.normal(size=(126, 3)) for k in range(4)])
+    rings = [shapes.circle(20.0, [60 * k, 0, 0]) for k in range(4)]
+    curves = Curves.from_list([ring + noise * rng.normal(size=ring.shape) for ring in rings])
     width = faithful_smoothing(curves, edge_length=1.0, most=3.0)
     larger = Curves.from_list([7.0 * curves.curve(i) for i in range(4)])
     assert faithful_smoothing(larger, edge_length=7.0, most=3.0) == width
