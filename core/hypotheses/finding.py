@@ -24,9 +24,10 @@ STARTS, APART, FRESH = 8, 15.0, 80
 """Seeds that are grown in each round, edge lengths by which they must differ, and seeds among which they are chosen;
 counts that bound the work."""
 
-LEAST_SEED, FAILURES, MOST, SWEEPS = 8.0, 2, 40, 5
+LEAST_SEED, FAILURES, MOST, SWEEPS = 8.0, (2, 1), 40, 5
 """Log odds of a seed that is started (two independent observations), rounds without a thing after which the search
-ends, things that are looked for at most, and sweeps of the network for more poses of one."""
+ends, before and after the first thing, things that are looked for at most, and sweeps of the network for more poses of one.
+"""
 
 
 def find_things(field: Field, seeds: Seeds, *, significance, tick=lambda over=None: None, log=lambda *a: None):
@@ -48,7 +49,7 @@ def find_things(field: Field, seeds: Seeds, *, significance, tick=lambda over=No
     dead = np.zeros(len(lead), bool)
     score, stale = lead.score.copy(), np.zeros(len(lead), bool)
     growths, found, failures, rounds = {}, [], 0, 0
-    while len(found) < MOST and failures < FAILURES:
+    while len(found) < MOST and failures < FAILURES[len(found) > 0]:
         score = _fresh(field, lead, score, stale, taken, ~dead, tick)
         starts = _apart(field, lead, score, dead | taken[lead.source] | taken[lead.target])
         if not len(starts):

@@ -17,6 +17,7 @@ from ..evidence.field import Field, Probe
 from ..evidence.lines import lines_once
 from ..evidence.odds import LEAST_CHANCE, UNIT, between, log_odds, sliding
 from ..geometry.motions import inverse
+from ..transformations.description import describe, description_length
 from .extent import spread
 from .hypothesis import SPACING, Hypothesis
 from .symmetry import replace_frame
@@ -31,6 +32,9 @@ its own. The likeliest is taken."""
 SELECTED = 7.3
 """Log odds that a pose must exceed to tell anything: it was the best of 1500 that were looked at, and the poses of a
 false thing are many, each a little better than chance."""
+
+EXPECTED = 1.0
+"""Log odds that a pose of an orbit must exceed, which was expected where it is."""
 
 BLOCK, SURE, LIKELY = 12, 2.0, 1.0
 """Samples of a curve that lead together, and standard errors by which poses must lead their decoys, which were not
@@ -51,12 +55,19 @@ def expected_by_chance(field: Field, thing: Hypothesis) -> float:
 
 
 def independent_evidence(field: Field, thing: Hypothesis) -> float:
-    """Log odds of the poses but the first, without the fragment of each that may have made the seed."""
+    """Log odds of the poses but the first, without what was chosen: the fragment of each that may have made the seed, and
+    the best of many poses. A pose that an orbit predicts was not chosen; of an orbit its numbers were."""
     if len(thing) < 2:
         return 0.0
     e = pose_evidence(field, thing)
-    own = (e.total - e.chosen)[1:].sum()
-    return max(0.0, float(min(own, e.worth(slice(1, None), SURE))) - SELECTED * (len(thing) - 1))
+    lead = e.worth(slice(1, None), SURE)
+    free = min(e.total[1:].sum() - e.chosen[1:].sum(), lead) - SELECTED * (len(thing) - 1)
+    orbit = describe(thing)
+    if orbit.kind != "single":
+        said = description_length(orbit, len(thing), pose=SELECTED) - SELECTED
+        chosen = np.sort(e.chosen)[::-1][: int(round((said + SELECTED) / SELECTED))]
+        free = max(free, min(e.total.sum() - e.total[0] - chosen.sum(), lead) - said)
+    return max(0.0, float(free))
 
 
 def evident(field: Field, thing: Hypothesis) -> Hypothesis:
@@ -65,7 +76,9 @@ def evident(field: Field, thing: Hypothesis) -> Hypothesis:
         return thing
     e = pose_evidence(field, thing)
     worth = np.array([min(e.total[k], e.worth(slice(k, k + 1), LIKELY)) for k in range(len(thing))])
-    kept = np.flatnonzero(worth > SELECTED)
+    orbit = describe(thing)
+    predicted = orbit.fits & (orbit.kind != "single")
+    kept = np.flatnonzero(worth > np.where(predicted, EXPECTED, SELECTED))
     if not len(kept):
         return thing.at(np.zeros(1, int))
     return thing if len(kept) == len(thing) else thing.at(kept)

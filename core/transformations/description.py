@@ -62,12 +62,12 @@ def worth_saying(thing):
     return thing if orbit.kind == "single" or worth.all() else thing.at(np.flatnonzero(worth))
 
 
-def description_length(orbit: Orbit, count) -> float:
-    """Nats that describe `count` poses by an orbit and the rest as free ones."""
+def description_length(orbit: Orbit, count, pose=POSE) -> float:
+    """Nats that describe `count` poses by an orbit and the rest as free ones; pose : nats of a free one."""
     numbers = {"translation": 3, "grid": 6, "rotation": 5, "screw": 6}[orbit.kind]
     if orbit.closed:
         numbers -= 1
-    return POSE * (len(orbit.bases) + count - orbit.fits.sum()) + NUMBER * numbers + CELL * orbit.spans
+    return pose * (len(orbit.bases) + count - orbit.fits.sum()) + NUMBER * numbers + CELL * orbit.spans
 
 
 def with_strands(thing, orbit: Orbit) -> Orbit:
