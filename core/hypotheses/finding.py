@@ -25,9 +25,8 @@ STARTS, APART, FRESH = 8, 15.0, 80
 counts that bound the work."""
 
 LEAST_SEED, FAILURES, MOST, SWEEPS = 8.0, (2, 1), 40, 5
-"""Log odds of a seed that is started (two independent observations), rounds without a thing after which the search
-ends, before and after the first thing, things that are looked for at most, and sweeps of the network for more poses of one.
-"""
+"""Log odds of a seed that is started (two independent observations); rounds without a thing after which the search
+ends, before and after the first thing; things that are looked for at most; and sweeps of the network for more poses."""
 
 
 def find_things(field: Field, seeds: Seeds, *, significance, tick=lambda over=None: None, log=lambda *a: None):

@@ -55,8 +55,8 @@ def expected_by_chance(field: Field, thing: Hypothesis) -> float:
 
 
 def independent_evidence(field: Field, thing: Hypothesis) -> float:
-    """Log odds of the poses but the first, without what was chosen: the fragment of each that may have made the seed, and
-    the best of many poses. A pose that an orbit predicts was not chosen; of an orbit its numbers were."""
+    """Log odds of the poses but the first, without what was chosen: the fragment of each that may have made the seed,
+    and the best of many poses. A pose that an orbit predicts was not chosen; of an orbit its numbers were."""
     if len(thing) < 2:
         return 0.0
     e = pose_evidence(field, thing)
