@@ -51,7 +51,7 @@ def _complete(curves, edge_length, p, clock):
     with clock.stage("blast"):
         matches, work = _matches(network, p, clock)
     with clock.stage("seeding"):
-        field = Field(network, radius=p.epsilon)
+        field = Field(network, radius=p.epsilon, tick=clock.tick)
         seeds, left_out = find_seeds(field, matches, epsilon=p.epsilon, tick=clock.tick)
         del matches  # By far the largest value of all stages.
     with clock.stage("growth"):

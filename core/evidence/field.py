@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from time import monotonic
 
 import numpy as np
 from scipy.sparse import coo_matrix
@@ -20,6 +21,9 @@ COSINE = 0.8
 FACING = 0.7
 """Least cosine between the normals of the surface at a sample and at its image (tolerance). Noise turns them by 20
 degrees; the inner and the outer side of a moulding, which runs beside itself, lie farther apart."""
+
+PAUSE = 0.1
+"""Seconds between two ticks."""
 
 REACH = 6.0
 """Largest distance at which a sample is looked up, edge lengths (bounds the table)."""
@@ -58,10 +62,12 @@ class Field:
     Parameters
     ----------
     radius : edge lengths, within which a sample shows a point
+    tick : called every tenth of a second while the field is asked; may raise Cancelled, which is passed on
     """
 
-    def __init__(self, network: CurveNetwork, *, radius):
+    def __init__(self, network: CurveNetwork, *, radius, tick=None):
         self.network, self.radius = network, radius
+        self._tick, self._ticked = tick, monotonic()
         self.points, self.tangents, self.weights = network.points, network.tangents, network.weights
         self.tree = cKDTree(self.points)
         self._table = NearestTable(self.points, REACH, radius / 2)
@@ -85,6 +91,9 @@ class Field:
 
     def shown_by(self, probe: Probe, radius=None):
         """Samples (...,) int32 that show a probe's points, or -1: near, along the same line, facing the same way."""
+        if self._tick and monotonic() - self._ticked > PAUSE:
+            self._ticked = monotonic()
+            self._tick()
         near = self.nearest(probe.points, radius)
         same = np.abs(np.einsum("...i,...i->...", np.take(self.tangents, near, axis=0), probe.tangents)) > COSINE
         if probe.normals is not None and self.network.normals is not None:
