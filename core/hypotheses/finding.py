@@ -11,7 +11,7 @@ import numpy as np
 
 from ..evidence.field import Field
 from ..transformations.description import saving
-from .growth import CAREFUL, EAGER, REACHES, WHOLE, full_grown, grown, started, started_whole
+from .growth import CAREFUL, EAGER, REACHES, full_grown, grown, places, started, started_whole, with_more_poses
 from .hypothesis import explained
 from .leading import leading, scored_widely
 from .merging import merged
@@ -41,10 +41,12 @@ def find_things(field: Field, seeds: Seeds, *, significance, tick=lambda over=No
     -----
     What a seed comes to is seen only when it is full-grown: a small part of a thing has its poses early, and many of
     them. So all starts of a round are grown to the end, and the one that explains most is taken. Growths that a taken
-    thing does not touch are kept for the next round.
+    thing does not touch are kept for the next round. Last, what is left is asked place by place: small pieces make no
+    match, and may be like others all the same.
     """
+    how = {"seeds": seeds, "pairs": PointPairs(field), "tick": tick}
     taken = np.zeros(len(field), bool)
-    lead, pairs = leading(field, seeds, tick=tick), PointPairs(field)
+    lead = leading(field, seeds, tick=tick)
     dead = np.zeros(len(lead), bool)
     score, stale = lead.score.copy(), np.zeros(len(lead), bool)
     growths, found, failures, rounds = {}, [], 0, 0
@@ -55,24 +57,11 @@ def find_things(field: Field, seeds: Seeds, *, significance, tick=lambda over=No
             break
         for k, s in enumerate(starts):
             if s not in growths:
-                growths[s] = _full_grown(field, lead, s, seeds, taken, pairs, tick)
+                growths[s] = _full_grown(field, lead, s, taken, **how)
             tick(_over(rounds, GROWING * (k + 1) / len(starts)))
-        best = None
-        for s, rival in _by_saving(growths):
-            thing = evident(field, rival.thing)
-            tick()
-            expected = expected_by_chance(field, thing)
-            if expected <= significance:
-                thing, expected = _cells_put_right(field, thing, expected, seeds, taken, significance, tick)
-                thing, expected = _swept(field, thing, expected, seeds, taken, pairs, significance, tick)
-            log(f"thing: {len(thing)} poses, {len(thing.points)} points, gain {thing.gain:.0f}, E {expected:.2g}")
-            if len(thing) >= 2 and expected <= significance and saving(thing) > 0:
-                best = replace(thing, expected=expected)
-                dead[s] = True
-                break
-            growths[s].remove(rival)
+        best, s = _first_evident(field, growths, taken, significance, log, **how)
         rounds += 1
-        dead[[s for s in growths if not growths[s]]] = True
+        dead[[k for k in growths if not growths[k] or k == s]] = True
         if best is None:
             dead[list(growths)] = True
             failures += 1
@@ -83,7 +72,41 @@ def find_things(field: Field, seeds: Seeds, *, significance, tick=lambda over=No
         taken = taken | new
         stale[:] = True
         growths = {s: x for s, x in growths.items() if not dead[s] and not any(t.touches(field, new) for t in x)}
+    return found + _of_places(field, taken, MOST - len(found), significance, log, **how)
+
+
+def _of_places(field, taken, most, significance, log, *, seeds, pairs, tick):
+    """Things (list) that single places lead to, of what nothing explains yet."""
+    starts = [with_more_poses(field, t, seeds, taken, EAGER, pairs.poses(t)) for t in places(field, taken, tick)]
+    starts = sorted((t for t in starts if len(t) > 1), key=lambda t: -t.scores.sum())[:STARTS]
+    growths = {k: _grown_from(field, t, seeds, taken, EAGER, pairs, tick) for k, t in enumerate(starts)}
+    found = []
+    while growths and len(found) < most:
+        best, s = _first_evident(field, growths, taken, significance, log, seeds=seeds, pairs=pairs, tick=tick)
+        if best is None:
+            break
+        found.append(best)
+        new = explained(field, best)
+        taken = taken | new
+        growths = {k: x for k, x in growths.items() if k != s and not any(t.touches(field, new) for t in x)}
     return found
+
+
+def _first_evident(field, growths, taken, significance, log, *, seeds, pairs, tick):
+    """Of the growths that one that saves most of the evident ones, put right, and its key; those that are not leave the
+    growths."""
+    for s, rival in _by_saving(growths):
+        thing = evident(field, rival.thing)
+        tick()
+        expected = expected_by_chance(field, thing)
+        if expected <= significance:
+            thing, expected = _cells_put_right(field, thing, expected, seeds, taken, significance, tick)
+            thing, expected = _swept(field, thing, expected, seeds, taken, pairs, significance, tick)
+        log(f"thing: {len(thing)} poses, {len(thing.points)} points, gain {thing.gain:.0f}, E {expected:.2g}")
+        if len(thing) >= 2 and expected <= significance and saving(thing) > 0:
+            return replace(thing, expected=expected), s
+        growths[s].remove(rival)
+    return None, None
 
 
 LEAD, REST, GROWING = 0.1, 0.4, 0.6
@@ -149,7 +172,7 @@ def _by_saving(growths):
             heappush(heap, (-rivals[s, k].saves, s, k, True))
 
 
-def _full_grown(field, lead, s, seeds, taken, pairs, tick):
+def _full_grown(field, lead, s, taken, *, seeds, pairs, tick):
     """What a seed comes to (list): from what both its ends show, at a careful price of a pose, and from all that is
     around both, at an eager one with all that is like it anywhere; none where it is nothing."""
     out = []
@@ -158,7 +181,7 @@ def _full_grown(field, lead, s, seeds, taken, pairs, tick):
         out += _grown_from(field, start, seeds, taken, CAREFUL, None, tick)
     if out and np.median(out[0].thing.scores[1:]) > 2 * CAREFUL[0]:
         return out  # Other poses of it would be worth that much, too.
-    start = started_whole(field, lead.motions[s], lead.stretch[s], WHOLE)
+    start = started_whole(field, lead.motions[s], lead.stretch[s], taken)
     return out + (_grown_from(field, start, seeds, taken, EAGER, pairs, tick) if start is not None else [])
 
 

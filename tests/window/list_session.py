@@ -72,7 +72,7 @@ def lists(driver):
     yield 0.3
     assert (row.count, row.rejected, len(visible())) == (left, 0, every)
 
-    yield from driver.press("bpy.ops.fcn.select_template(index=0")
+    yield from driver.press("bpy.ops.fcn.select_template(index=0", shares=RIGHT)
     yield 0.3
     assert set(bpy.context.selected_objects) == set(mine)
     row.name, row.colour = "Lancet", (0.9, 0.6, 0.1)

@@ -49,7 +49,7 @@ def session(driver):
 def edited(driver):
     """A template is edited by its button; a handle is moved; Tab ends all that goes with it."""
     space = driver.area.spaces.active
-    yield from driver.press("bpy.ops.fcn.select_template(")
+    yield from driver.press("bpy.ops.fcn.select_template(", shares=RIGHT)
     item = bpy.context.selected_objects[0]
     steps.choose(item)
     with driver.context():

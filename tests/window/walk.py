@@ -59,7 +59,7 @@ def choose(driver, number, dense):
     if not dense:
         yield from click_on(driver, occurrence(number))
         return
-    yield from driver.press(f"bpy.ops.fcn.select_template(index=-1, place={number})")
+    yield from driver.press(f"bpy.ops.fcn.select_template(index=-1, place={number})", shares=RIGHT)
     yield 0.3
     active = bpy.context.view_layer.objects.active
     assert active is not None and active.get("occurrence") == number and active.select_get()

@@ -137,7 +137,7 @@ def result_session(driver):
     result().support = 0.0
     assert len(visible()) == size
 
-    yield from driver.press("bpy.ops.fcn.select_template(")
+    yield from driver.press("bpy.ops.fcn.select_template(", shares=RIGHT)
     chosen = bpy.context.selected_objects
     assert chosen and {o["template"] for o in chosen} == {result().template_rows[0].ident}
     driver.picture("6-selected")
