@@ -24,9 +24,10 @@ STARTS, APART, FRESH = 8, 15.0, 80
 """Seeds that are grown in each round, edge lengths by which they must differ, and seeds among which they are chosen;
 counts that bound the work."""
 
-LEAST_SEED, FAILURES, MOST, SWEEPS = 8.0, (2, 1), 40, 5
+LEAST_SEED, FAILURES, MOST, SWEEPS, RIVALS = 8.0, (2, 1), 40, 5, 3
 """Log odds of a seed that is started (two independent observations); rounds without a thing after which the search
-ends, before and after the first thing; things that are looked for at most; and sweeps of the network for more poses."""
+ends, before and after the first thing; things that are looked for at most; sweeps of the network for more poses; and
+things that are held against each other before one is taken."""
 
 
 def find_things(field: Field, seeds: Seeds, *, significance, tick=lambda over=None: None, log=lambda *a: None):
@@ -93,9 +94,17 @@ def _of_places(field, taken, most, significance, log, *, seeds, pairs, tick):
 
 
 def _first_evident(field, growths, taken, significance, log, *, seeds, pairs, tick):
-    """Of the growths that one that saves most of the evident ones, put right, and its key; those that are not leave the
-    growths."""
+    """Of the growths that one that saves most of the evident ones, put right, and its key; those that are not evident
+    leave the growths.
+
+    Notes
+    -----
+    Halves save more than what they are halves of. So what was put right is held against the next ones once more.
+    """
+    best, key, most, rivals = None, None, 0.0, 0
     for s, rival in _by_saving(growths):
+        if best is not None and (rival.saves <= most or rivals == RIVALS):
+            break
         thing = evident(field, rival.thing)
         tick()
         expected = expected_by_chance(field, thing)
@@ -103,10 +112,14 @@ def _first_evident(field, growths, taken, significance, log, *, seeds, pairs, ti
             thing, expected = _cells_put_right(field, thing, expected, seeds, taken, significance, tick)
             thing, expected = _swept(field, thing, expected, seeds, taken, pairs, significance, tick)
         log(f"thing: {len(thing)} poses, {len(thing.points)} points, gain {thing.gain:.0f}, E {expected:.2g}")
-        if len(thing) >= 2 and expected <= significance and saving(thing) > 0:
-            return replace(thing, expected=expected), s
-        growths[s].remove(rival)
-    return None, None
+        saves = saving(thing)
+        if len(thing) < 2 or expected > significance or saves <= 0:
+            growths[s].remove(rival)
+            continue
+        rivals += 1
+        if saves > most:
+            best, key, most = replace(thing, expected=expected), s, saves
+    return best, key
 
 
 LEAD, REST, GROWING = 0.1, 0.4, 0.6

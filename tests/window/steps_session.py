@@ -13,7 +13,7 @@ HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
 import steps  # noqa: E402
 import walk  # noqa: E402
-from driver import EXTENSION, Driver  # noqa: E402
+from driver import EXTENSION, RIGHT, Driver  # noqa: E402
 
 
 def session(driver):

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import bpy
 import steps
+from driver import RIGHT
 
 RECORD = {"templates": 1, "places": 6, "rejected": 1}
 """What the end state is by hand: the example's windows, one of them rejected."""

@@ -13,7 +13,7 @@ import bpy
 
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
-from driver import EXTENSION, Driver, Redraws  # noqa: E402
+from driver import EXTENSION, RIGHT, Driver, Redraws  # noqa: E402
 
 EXAMPLE = HERE.parent.parent / "examples" / "facade.obj"
 CATEGORY = "Feature Curves"
