@@ -112,8 +112,8 @@ def _first_evident(field, growths, taken, significance, log, *, seeds, pairs, ti
             thing, expected = _cells_put_right(field, thing, expected, seeds, taken, significance, tick)
             thing, expected = _swept(field, thing, expected, seeds, taken, pairs, significance, tick)
         log(f"thing: {len(thing)} poses, {len(thing.points)} points, gain {thing.gain:.0f}, E {expected:.2g}")
-        saves = saving(thing)
-        if len(thing) < 2 or expected > significance or saves <= 0:
+        saves = saving(thing) if len(thing) > 1 else 0.0
+        if expected > significance or saves <= 0:
             growths[s].remove(rival)
             continue
         rivals += 1
