@@ -102,7 +102,7 @@ def _first_evident(field, growths, taken, significance, log, *, seeds, pairs, ti
     Halves save more than what they are halves of. So what was put right is held against the next ones once more.
     """
     best, key, most, rivals = None, None, 0.0, 0
-    for s, rival in _by_saving(growths):
+    for s, rival in _by_saving(growths, tick):
         if best is not None and (rival.saves <= most or rivals == RIVALS):
             break
         thing = evident(field, rival.thing)
@@ -112,6 +112,7 @@ def _first_evident(field, growths, taken, significance, log, *, seeds, pairs, ti
             thing, expected = _cells_put_right(field, thing, expected, seeds, taken, significance, tick)
             thing, expected = _swept(field, thing, expected, seeds, taken, pairs, significance, tick)
         log(f"thing: {len(thing)} poses, {len(thing.points)} points, gain {thing.gain:.0f}, E {expected:.2g}")
+        tick()
         saves = saving(thing) if len(thing) > 1 else 0.0
         if expected > significance or saves <= 0:
             growths[s].remove(rival)
@@ -172,7 +173,7 @@ class _Growth:
         return bool((explained(field, self.thing) & flags).any())
 
 
-def _by_saving(growths):
+def _by_saving(growths, tick):
     """Seeds and their growths, that which saves most first."""
     heap = [(-g.most, s, k, False) for s in growths for k, g in enumerate(growths[s])]
     rivals = {(s, k): g for s in growths for k, g in enumerate(growths[s])}
@@ -183,6 +184,7 @@ def _by_saving(growths):
             yield s, rivals[s, k]
         else:
             heappush(heap, (-rivals[s, k].saves, s, k, True))
+            tick()
 
 
 def _full_grown(field, lead, s, taken, *, seeds, pairs, tick):

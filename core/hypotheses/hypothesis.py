@@ -11,6 +11,7 @@ import numpy as np
 from ..evidence.field import Field, Probe
 from ..evidence.odds import UNIT, between, log_odds, sliding
 from ..geometry.motions import inverse
+from ..transformations.description import describe
 
 SPACING = 2.0
 """Edge lengths from one point of a thing to the next (count that bounds the work)."""
@@ -74,6 +75,11 @@ class Hypothesis:
         centre, axes = self._extent
         turned = poses[:, :3, :3] @ axes
         return np.concatenate([turned.reshape(-1, 9), poses[:, :3, :3] @ centre + poses[:, :3, 3]], axis=1)
+
+    @cached_property
+    def orbit(self):
+        """Orbit, the cheapest description of the poses."""
+        return describe(self)
 
     @cached_property
     def _extent(self):

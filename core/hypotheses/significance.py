@@ -17,7 +17,7 @@ from ..evidence.field import Field, Probe
 from ..evidence.lines import lines_once
 from ..evidence.odds import LEAST_CHANCE, UNIT, between, log_odds, sliding
 from ..geometry.motions import inverse
-from ..transformations.description import describe, description_length
+from ..transformations.description import description_length
 from .extent import spread
 from .hypothesis import SPACING, Hypothesis
 from .symmetry import replace_frame
@@ -62,7 +62,7 @@ def independent_evidence(field: Field, thing: Hypothesis) -> float:
     e = pose_evidence(field, thing)
     lead = e.worth(slice(1, None), SURE)
     free = min(e.total[1:].sum() - e.chosen[1:].sum(), lead) - SELECTED * (len(thing) - 1)
-    orbit = describe(thing)
+    orbit = thing.orbit
     if orbit.kind != "single":
         said = description_length(orbit, len(thing), pose=SELECTED) - SELECTED
         chosen = np.sort(e.chosen)[::-1][: int(round((said + SELECTED) / SELECTED))]
@@ -76,7 +76,7 @@ def evident(field: Field, thing: Hypothesis) -> Hypothesis:
         return thing
     e = pose_evidence(field, thing)
     worth = np.array([min(e.total[k], e.worth(slice(k, k + 1), LIKELY)) for k in range(len(thing))])
-    orbit = describe(thing)
+    orbit = thing.orbit
     predicted = orbit.fits & (orbit.kind != "single")
     kept = np.flatnonzero(worth > np.where(predicted, EXPECTED, SELECTED))
     if not len(kept):

@@ -47,7 +47,7 @@ def describe(thing) -> Orbit:
 
 def saving(thing) -> float:
     """Nats that a thing saves: log odds of its poses but the first, less what it costs to say where they are."""
-    orbit = describe(thing)
+    orbit = thing.orbit
     said = len(thing.poses) * POSE if orbit.kind == "single" else description_length(orbit, len(thing.poses))
     return float(thing.scores[1:].sum() - (said - POSE))
 
@@ -56,7 +56,7 @@ def worth_saying(thing):
     """The thing without the poses beside its orbit that tell less than it takes to say where they are."""
     if len(thing.poses) < LEAST or (thing.scores[1:] >= POSE).all():
         return thing
-    orbit = describe(thing)
+    orbit = thing.orbit
     worth = orbit.fits | (thing.scores >= POSE)
     worth[0] |= not orbit.fits.any()
     return thing if orbit.kind == "single" or worth.all() else thing.at(np.flatnonzero(worth))
