@@ -37,10 +37,8 @@ def merged(field: Field, thing: Hypothesis, taken) -> Hypothesis:
     inner, first, second = _pairing(thing)
     strand = describe(thing).strand
     apart = (strand[first] != strand[second]) | (strand[first] < 0)
-    # Partners that one step of an orbit leads to are cells beside each other, and so are those of one more generator.
+    # Partners that one step of an orbit leads to are cells beside each other.
     first, second = first[apart], second[apart]
-    if len(first) > 2 and _one_step(thing, first, second):
-        return thing
     if len(first) and thing.differences((inner @ inner)[None], np.eye(4)[None])[0, 0] < SAME_POSE:
         first, second = _alike(thing, first, second)
     if not len(first) or len(thing) - len(first) < 2 or 2 * len(first) < PAIRED * len(thing):
@@ -63,13 +61,6 @@ def merged(field: Field, thing: Hypothesis, taken) -> Hypothesis:
         out = replace(out, poses=align(field, out.poses, out.probe, radii=(2.5, 2.0)))
         out = rescored(field, out, taken)
     return out if len(out) >= 2 and 2 * len(out) >= PAIRED * len(thing) else thing
-
-
-def _one_step(thing, first, second):
-    """Whether one motion of the network leads from all first poses (k,) to the second ones."""
-    step = thing.poses[second[0]] @ inverse(thing.poses[first[0]])
-    there = thing.embedded(step @ thing.poses[first])
-    return bool((np.linalg.norm(there - thing.embedded(thing.poses[second]), axis=1) < SAME_POSE).all())
 
 
 def _pairing(thing):
