@@ -127,6 +127,20 @@ def bumps():
 
 
 @pytest.fixture
+def scan(bpy, bumps):
+    """That sheet as an object of the scene, chosen."""
+    points, faces = bumps()
+    mesh = bpy.data.meshes.new("Scan")
+    mesh.from_pydata(points.tolist(), [], faces.tolist())
+    item = bpy.data.objects.new("Scan", mesh)
+    bpy.context.scene.collection.objects.link(item)
+    item.select_set(True)
+    bpy.context.view_layer.objects.active = item
+    bpy.context.view_layer.update()
+    return item
+
+
+@pytest.fixture
 def wall(bpy, curves):
     """The curves as a selected edge mesh "Wall" in the scene."""
     mesh = bpy.data.meshes.new("Wall")

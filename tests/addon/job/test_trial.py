@@ -5,19 +5,6 @@ import numpy as np
 import pytest
 
 
-@pytest.fixture
-def scan(bpy, bumps):
-    points, faces = bumps()
-    mesh = bpy.data.meshes.new("Scan")
-    mesh.from_pydata(points.tolist(), [], faces.tolist())
-    item = bpy.data.objects.new("Scan", mesh)
-    bpy.context.scene.collection.objects.link(item)
-    item.select_set(True)
-    bpy.context.view_layer.objects.active = item
-    bpy.context.view_layer.update()
-    return item
-
-
 def tried(bpy, part):
     """The Trial, or the words, that the settings give."""
     _, work = part("fcn_addon.job.trial").prepare(bpy.context)

@@ -68,14 +68,7 @@ def test_one_undo_step_takes_the_collection_back_too(bpy, wall, work, chosen):
 
 
 @pytest.mark.parametrize("excluded", [False, True])
-def test_detected_curves_go_there_too(bpy, bumps, chosen, excluded):
-    points, faces = bumps()
-    mesh = bpy.data.meshes.new("Scan")
-    mesh.from_pydata(points.tolist(), [], faces.tolist())
-    item = bpy.data.objects.new("Scan", mesh)
-    bpy.context.scene.collection.objects.link(item)
-    item.select_set(True)
-    bpy.context.view_layer.objects.active = item
+def test_detected_curves_go_there_too(bpy, scan, chosen, excluded):
     chosen.collection, home = "Drawings", bpy.data.collections.new("Drawings")
     bpy.context.scene.collection.children.link(home)
     bpy.context.view_layer.layer_collection.children["Drawings"].exclude = excluded
