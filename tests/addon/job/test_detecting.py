@@ -8,18 +8,11 @@ import pytest
 
 
 @pytest.fixture
-def scan(bpy, bumps):
+def scan(bpy, scan):
     """A sheet with three ridges, selected, moved and scaled."""
-    points, faces = bumps()
-    mesh = bpy.data.meshes.new("Scan")
-    mesh.from_pydata(points.tolist(), [], faces.tolist())
-    item = bpy.data.objects.new("Scan", mesh)
-    item.location, item.scale = (100, 0, 0), (2, 2, 2)
-    bpy.context.scene.collection.objects.link(item)
-    item.select_set(True)
-    bpy.context.view_layer.objects.active = item
+    scan.location, scan.scale = (100, 0, 0), (2, 2, 2)
     bpy.context.view_layer.update()
-    return item
+    return scan
 
 
 def count(bpy):
