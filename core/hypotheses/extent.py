@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 
 from ..evidence.decoys import decoys
 from ..evidence.field import Field, Probe
-from ..evidence.odds import LEAST_CHANCE, UNIT, log_odds
+from ..evidence.odds import LEAST_CHANCE, UNIT, between, log_odds, sliding
 from ..geometry.motions import inverse
 from .hypothesis import SPACING, Hypothesis
 
@@ -77,6 +77,7 @@ def extended(field: Field, thing: Hypothesis, taken, *, reach) -> Hypothesis | N
     counts = _counts_at(field, poses, fine, owner, hit)
     p = min(thing.shown, 0.6)
     q = np.clip(chance_of(field, poses, fine), LEAST_CHANCE, p - 0.1)
+    q[_running_on(field, poses, fine, hit)] = p
     rival = np.maximum(q, RIVAL * p)
     # Its own sample is free: that something is there once is no evidence.
     odds = (log_odds(hit, p, rival) * counts).sum(axis=0) - np.log(p / rival)
@@ -89,6 +90,27 @@ def extended(field: Field, thing: Hypothesis, taken, *, reach) -> Hypothesis | N
     fine, q = fine.take(keep), q[keep]
     shown = float((field.targets(poses, fine) >= 0).mean())
     return replace(thing, probe=fine, chance=q, shown=float(np.clip(shown, *SHOWN)))
+
+
+def _running_on(field, poses, probe, hit):
+    """(m,) bool, points of curves that run on from most poses that show them to the next: a moulding, a ring. They
+    tell nothing where they are shown, and so nothing where they are not.
+
+    hit : (k, m) bool, which poses show each point
+    """
+    if len(poses) < 2:
+        return np.zeros(len(probe), bool)
+    centres = poses[:, :3, :3] @ probe.points.mean(axis=0) + poses[:, :3, 3]
+    base = poses[cKDTree(centres).query(centres, k=2)[1][:, 1]]
+    slides = sliding(field, between(poses, base), probe.moved(base))
+    return 2 * (slides & hit).sum(axis=0) > hit.sum(axis=0)
+
+
+def chance_at(field: Field, poses, probe: Probe, p):
+    """(m,) float64, the chance of each point at the poses of a thing that an occurrence shows to a share p."""
+    q = np.clip(chance_of(field, poses, probe), LEAST_CHANCE, p - 0.1)
+    q[_running_on(field, poses, probe, field.targets(poses, probe) >= 0)] = p
+    return q
 
 
 SHOWN = 0.35, 0.75

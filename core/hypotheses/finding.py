@@ -8,10 +8,25 @@ from functools import cached_property
 from heapq import heapify, heappop, heappush
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from ..evidence.field import Field
+from ..geometry.motions import inverse
 from ..transformations.description import saving
-from .growth import CAREFUL, EAGER, REACHES, full_grown, grown, places, started, started_whole, with_more_poses
+from .growth import (
+    CAREFUL,
+    EAGER,
+    NEAR_SEED,
+    REACHES,
+    SAME_POSE,
+    appraised,
+    full_grown,
+    grown,
+    places,
+    started,
+    started_whole,
+    with_more_poses,
+)
 from .hypothesis import explained
 from .leading import leading, scored_widely
 from .merging import merged
@@ -24,10 +39,15 @@ STARTS, APART, FRESH = 8, 15.0, 80
 """Seeds that are grown in each round, edge lengths by which they must differ, and seeds among which they are chosen;
 counts that bound the work."""
 
-LEAST_SEED, FAILURES, MOST, SWEEPS, RIVALS = 8.0, (2, 1), 40, 5, 3
+LEAST_SEED, FAILURES, MOST, SWEEPS, RIVALS, AGAIN = 8.0, (2, 1), 40, 5, 3, 3
 """Log odds of a seed that is started (two independent observations); rounds without a thing after which the search
-ends, before and after the first thing; things that are looked for at most; sweeps of the network for more poses; and
-things that are held against each other before one is taken."""
+ends, before and after the first thing; things that are looked for at most; sweeps of the network for more poses;
+things that are held against each other before one is taken; and growths that may lead where a seed leads before it is
+not grown, too."""
+
+SAME, HOPELESS = 0.9, 0.5
+"""Share of their samples that two things explain both, when they are one (tolerance); and share of what the best thing
+saves below which others are not put right: what is put right may save more than before."""
 
 
 def find_things(field: Field, seeds: Seeds, *, significance, tick=lambda over=None: None, log=lambda *a: None):
@@ -58,7 +78,8 @@ def find_things(field: Field, seeds: Seeds, *, significance, tick=lambda over=No
             break
         for k, s in enumerate(starts):
             if s not in growths:
-                growths[s] = _full_grown(field, lead, s, taken, **how)
+                known = sum(_leads_through(field, lead, s, x.thing) for g in growths.values() for x in g)
+                growths[s] = _full_grown(field, lead, s, taken, **how) if known < AGAIN else []
             tick(_over(rounds, GROWING * (k + 1) / len(starts)))
         best, s = _first_evident(field, growths, taken, significance, log, **how)
         rounds += 1
@@ -103,14 +124,17 @@ def _first_evident(field, growths, taken, significance, log, *, seeds, pairs, ti
     """
     best, key, most, rivals = None, None, 0.0, 0
     for s, rival in _by_saving(growths, tick):
-        if best is not None and (rival.saves <= most or rivals == RIVALS):
+        if best is not None and (rival.saves <= HOPELESS * most or rivals == RIVALS):
             break
+        if best is not None and _same(field, rival.thing, best):
+            continue
         thing = evident(field, rival.thing)
         tick()
         expected = expected_by_chance(field, thing)
         if expected <= significance:
             thing, expected = _cells_put_right(field, thing, expected, seeds, taken, significance, tick)
             thing, expected = _swept(field, thing, expected, seeds, taken, pairs, significance, tick)
+            thing = appraised(field, thing, taken)
         log(f"thing: {len(thing)} poses, {len(thing.points)} points, gain {thing.gain:.0f}, E {expected:.2g}")
         tick()
         saves = saving(thing) if len(thing) > 1 else 0.0
@@ -121,6 +145,12 @@ def _first_evident(field, growths, taken, significance, log, *, seeds, pairs, ti
         if saves > most:
             best, key, most = replace(thing, expected=expected), s, saves
     return best, key
+
+
+def _same(field, thing, other):
+    """Whether two things explain mostly the same samples at as many poses."""
+    a, b = explained(field, thing), explained(field, other)
+    return len(thing) == len(other) and 2 * (a & b).sum() > SAME * (a.sum() + b.sum())
 
 
 LEAD, REST, GROWING = 0.1, 0.4, 0.6
@@ -204,9 +234,19 @@ def _grown_from(field, start, seeds, taken, price, pairs, tick):
     thing = grown(field, start, seeds, taken, (0.0, *REACHES), price=price, pairs=pairs, tick=tick)
     if thing is not None and thing.gain > 0:
         thing = full_grown(field, thing, seeds, taken, price=price, tick=tick)
+        thing = appraised(field, thing, taken)
         if len(thing) > 1 and thing.gain > 0:
             return [_Growth(thing)]
     return []
+
+
+def _leads_through(field, lead, s, thing):
+    """Whether a seed leads from one pose of a thing to another."""
+    at = inverse(thing.poses) @ np.append(field.points[lead.source[s]], 1.0)
+    near = np.flatnonzero(cKDTree(thing.points).query(at[:, :3])[0] < NEAR_SEED)
+    if not len(near):
+        return False
+    return bool(thing.differences(lead.motions[s] @ thing.poses[near], thing.poses).min() < SAME_POSE)
 
 
 def _fresh(field, lead, score, stale, taken, alive, tick):

@@ -13,8 +13,8 @@ from ..evidence.decoys import SHIFTS, decoys, slipped
 from ..evidence.field import Field
 from ..evidence.odds import LEAST_CHANCE
 from ..geometry.motions import inverse
-from ..transformations.description import worth_saying
-from .extent import chance_of, extended, joined, spread
+from ..transformations.description import saving, worth_saying
+from .extent import SHOWN, chance_at, chance_of, extended, joined, spread
 from .hypothesis import SPACING, Hypothesis, distinct, explained, pose_scores
 from .seeding import Seeds
 from .symmetry import oriented, replace_frame
@@ -31,6 +31,9 @@ ORBIT_POSE = 7.0
 PROMINENT = 5.0
 """Log odds by which a pose must beat its own shifts."""
 
+SHARES = 0.6, 0.75, 0.9
+"""Shares of a thing that an occurrence may show, of which the one is taken that explains most."""
+
 PARTIAL = 0.5
 """Share of what an occurrence typically shows that each must show: what shows less is another thing's."""
 
@@ -45,9 +48,9 @@ PLACES, BESIDE, FEWEST = 24, 30.0, 8
 """Places that are asked, those where most is; edge lengths between them; and fewest points that a thing starts with.
 Counts that bound the work."""
 
-TRIED, FINE, SAMPLED, CLOSURES = 1_500, 150, 120, 16
-"""Candidates that are looked at, those that are scored in full, points they are looked at with, and poses whose
-closures are formed; counts that bound the work."""
+TRIED, FINE, SAMPLED, CLOSURES = 1_500, 150, (16, 120), 16
+"""Candidates that are looked at, those that are scored in full, points that all are looked at with and those of these
+that are likely, and poses whose closures are formed; counts that bound the work."""
 
 
 def started(field: Field, seed_motion, stretch, *, shown=0.5) -> Hypothesis | None:
@@ -179,12 +182,14 @@ def with_more_poses(field: Field, thing: Hypothesis, seeds: Seeds, taken, price=
     if not len(poses):
         return thing
     owned = taken | explained(field, thing)
-    rough = thing.probe.take(np.arange(0, len(thing.probe), max(1, len(thing.probe) // SAMPLED)))
-    near = field.targets(poses, rough, 1.75 * field.radius)
-    share = ((near >= 0) & ~owned[near]).mean(axis=1)
-    order = np.argsort(-share, kind="stable")[:TRIED]
-    order = order[share[order] > 0.3 * thing.shown]
-    order = order[distinct(thing, poses[order], share[order] + 0.02 * np.minimum(witnesses[order], 4), gap=3.0)[:FINE]]
+    for points, most, least in zip(SAMPLED, (4 * TRIED, TRIED), (0.15, 0.3)):
+        rough = thing.probe.take(np.arange(0, len(thing.probe), max(1, len(thing.probe) // points)))
+        near = field.targets(poses, rough, 1.75 * field.radius)
+        share = ((near >= 0) & ~owned[near]).mean(axis=1)
+        order = np.argsort(-share, kind="stable")[:most]
+        order = order[share[order] > least * thing.shown]
+        poses, witnesses, share = poses[order], witnesses[order], share[order]
+    order = distinct(thing, poses, share + 0.02 * np.minimum(witnesses, 4), gap=3.0)[:FINE]
     if not len(order):
         return thing
     poses, witnesses = align(field, poses[order], rough, radii=(4.0, 2.5, 2.0)), witnesses[order]
@@ -281,3 +286,17 @@ def rescored(field: Field, thing: Hypothesis, taken) -> Hypothesis:
         owned |= explained(field, thing, pose)
     out = replace(thing.at(kept), scores=np.array(scores))
     return replace(out, cost=np.maximum(out.cost, ORBIT_POSE))
+
+
+def appraised(field: Field, thing: Hypothesis, taken) -> Hypothesis:
+    """The thing with chance measured at the poses that it has now, scored by the share of it that an occurrence shows
+    which explains most: so that things of other growths can be held against it."""
+    if len(thing) < 2:
+        return thing
+    best = None
+    for shown in SHARES:
+        chance = chance_at(field, thing.poses, thing.probe, min(shown, SHARES[0]))
+        other = rescored(field, replace(thing, chance=chance, shown=shown), taken)
+        if best is None or saving(other) > saving(best):
+            best = other
+    return replace(best, shown=float(np.clip(best.shown, *SHOWN)))

@@ -17,7 +17,7 @@ from ..evidence.field import Field
 from ..geometry.motions import inverse
 from ..transformations.description import saving
 from .extent import extended
-from .growth import posed, rescored, with_more_poses
+from .growth import appraised, posed, rescored, with_more_poses
 from .hypothesis import Hypothesis, distinct, relative
 from .seeding import Seeds
 
@@ -33,12 +33,15 @@ def split(field: Field, thing: Hypothesis, seeds: Seeds, taken, tick=lambda: Non
     """The smaller thing with more poses that explains more, or the thing itself."""
     if len(thing) < 2:
         return thing
-    best = thing
+    best, most = thing, saving(appraised(field, thing, taken))
     for motion in _inner_motions(field, thing, seeds)[:TRIES]:
         tick()
         smaller = _halved(field, thing, motion, seeds, taken)
-        if smaller is not None and len(smaller) > len(thing) and saving(smaller) > saving(best):
-            best = smaller
+        if smaller is None or len(smaller) <= len(thing):
+            continue
+        smaller = appraised(field, smaller, taken)
+        if len(smaller) > len(thing) and saving(smaller) > most:
+            best, most = smaller, saving(smaller)
     return best
 
 

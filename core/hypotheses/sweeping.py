@@ -32,8 +32,9 @@ ASKED, PAIRS, EACH = 1500, 200, 8
 """Pairs of a thing of which the rarest are taken, how many, and at how many each point may be; counts that bound the
 work."""
 
-GLANCE, LOOKED = 40, 3000
-"""Points with which every candidate is looked at, and the candidates that are left; counts that bound the work."""
+GLANCES, LOOKED, KEPT = (10, 40), 3000, 4
+"""Points with which every candidate is looked at, and those of these that are likely; the candidates that are left, and
+how many times as many the first look leaves; counts that bound the work."""
 
 
 class PointPairs:
@@ -49,15 +50,16 @@ class PointPairs:
 
     @cached_property
     def pairs(self):
-        """(p, 2) int64 nodes, first and second, each pair once; and the tree of their features."""
+        """(p, 2) int64 nodes, first and second, each pair once; the tree of their features, and how many there are like
+        a feature."""
         points, lines = self.field.points[self.nodes], self.field.tangents[self.nodes]
         pair = _pairs_of(points)
         feature, bent = features(points, lines, pair)
-        return pair[bent], cKDTree(feature[bent])
+        return pair[bent], cKDTree(feature[bent]), Crowd(feature[bent])
 
     def poses(self, thing: Hypothesis):
         """(k, 4, 4) float64, candidates that lead from the frame of a thing to the network."""
-        pair, tree = self.pairs
+        pair, tree, crowd = self.pairs
         mine = _pairs_of(thing.points)
         if not len(mine) or not len(pair):
             return np.zeros((0, 4, 4))
@@ -65,12 +67,35 @@ class PointPairs:
         feature, bent = features(thing.points, thing.tangents, mine)
         mine, feature = mine[bent], feature[bent]
         mine, feature = np.concatenate([mine, mine[:, ::-1]]), np.concatenate([feature, feature[:, [0, 2, 1, 3]]])
-        count = tree.query_ball_point(feature, 1.0, p=np.inf, return_length=True)
-        use = _rarest(mine, count)
+        use = _rarest(mine, crowd.about(feature))
         found = tree.query_ball_point(feature[use], 1.0, p=np.inf)
         first = np.repeat(mine[use], [len(f) for f in found], axis=0)
         second = self.nodes[pair[np.concatenate([np.asarray(f, np.int64) for f in found])]] if len(first) else pair[:0]
         return _led(thing, self.field, first, second)
+
+
+class Crowd:
+    """How many features (p, d) lie about a place: counted in cells of one tolerance, the cell and those around it."""
+
+    def __init__(self, features):
+        cell = features.astype(int)
+        size = cell.max(axis=0, initial=0) + 2
+        count = np.zeros(size, np.int64)
+        np.add.at(count, tuple(cell.T), 1)
+        for axis in range(len(size)):
+            wide = count.copy()
+            wide[_along(axis, 1, None)] += count[_along(axis, None, -1)]
+            wide[_along(axis, None, -1)] += count[_along(axis, 1, None)]
+            count = wide
+        self.count = count
+
+    def about(self, features):
+        """(q,) int64, of features (q, d), how many lie in the cell of each and in those around it."""
+        return self.count[tuple(np.minimum(features.astype(int), np.array(self.count.shape) - 1).T)]
+
+
+def _along(axis, start, stop):
+    return (slice(None),) * axis + (slice(start, stop),)
 
 
 def features(points, lines, pair):
@@ -126,11 +151,13 @@ def _led(thing, field, first, second):
 
 def _glanced(thing, field, poses, size=5000):
     """Those of the poses (k, 4, 4) at which the most points of the thing are near a sample."""
-    probe = thing.probe.take(slice(None, None, max(1, len(thing.points) // GLANCE)))
-    parts = [poses[i : i + size] for i in range(0, len(poses), size)]
-    share = np.concatenate([(field.targets(p, probe, 2 * field.radius) >= 0).mean(axis=1) for p in parts] or [[]])
-    order = np.argsort(-share, kind="stable")[:LOOKED]
-    return poses[order[share[order] > 0.4 * thing.shown]]
+    for points, most, least in zip(GLANCES, (KEPT * LOOKED, LOOKED), (0.2, 0.4)):
+        probe = thing.probe.take(slice(None, None, max(1, len(thing.points) // points)))
+        parts = [poses[i : i + size] for i in range(0, len(poses), size)]
+        share = np.concatenate([(field.targets(p, probe, 2 * field.radius) >= 0).mean(axis=1) for p in parts] or [[]])
+        order = np.argsort(-share, kind="stable")[:most]
+        poses = poses[order[share[order] > least * thing.shown]]
+    return poses
 
 
 def _frames(points, lines, more=None):
