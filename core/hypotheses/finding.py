@@ -137,7 +137,7 @@ def _first_evident(field, growths, taken, significance, log, *, seeds, pairs, ti
             thing = appraised(field, thing, taken)
         log(f"thing: {len(thing)} poses, {len(thing.points)} points, gain {thing.gain:.0f}, E {expected:.2g}")
         tick()
-        saves = saving(thing) if len(thing) > 1 else 0.0
+        saves = saving(thing)
         if expected > significance or saves <= 0:
             growths[s].remove(rival)
             continue

@@ -46,7 +46,10 @@ def describe(thing) -> Orbit:
 
 
 def saving(thing) -> float:
-    """Nats that a thing saves: log odds of its poses but the first, less what it costs to say where they are."""
+    """Nats that a thing saves: log odds of its poses but the first, less what it costs to say where they are; one
+    pose saves nothing."""
+    if len(thing.poses) < 2:
+        return 0.0
     orbit = thing.orbit
     said = len(thing.poses) * POSE if orbit.kind == "single" else description_length(orbit, len(thing.poses))
     return float(thing.scores[1:].sum() - (said - POSE))
