@@ -13,6 +13,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ..consolidation.joining import linked_paths
+from ..consolidation.passages import find_passages
 from ..geometry.motions import apply
 from ..geometry.polylines import resample_polyline, smooth_polyline
 from .choosing import SHORTEST, Chosen
@@ -32,7 +33,8 @@ single ones carry a curve on."""
 
 
 def continued(chosen: Chosen, found: Sightings, overlay: Overlay) -> Chosen:
-    """The curves, those at the same poses joined with each other and with runs of samples that continue them.
+    """The curves, those at the same poses joined with each other and with runs of samples that continue them; round a
+    corner where curves of the input lead round it.
 
     found : sightings of the curves in the overlay
     """
@@ -46,7 +48,9 @@ def continued(chosen: Chosen, found: Sightings, overlay: Overlay) -> Chosen:
         out += [(chosen.curves[i], True, mine, chosen.scores[i]) for i in rings]
         paths = [chosen.curves[i] for i in open_]
         runs = free_runs(overlay, ~explained) if len(mine) <= FEW and mine.all() else []
-        for line, ring, members in linked_paths([*paths, *runs], gap=GAP):
+        around = overlay.part(mine[overlay.cell])
+        passed = find_passages(paths, around.points, around.tangents, around.run).pairs
+        for line, ring, members in linked_paths([*paths, *runs], gap=GAP, passed=passed):
             old = [m for m in members if m < len(paths)]
             if old:
                 if len(members) > 1 or ring:

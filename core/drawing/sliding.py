@@ -7,7 +7,9 @@ Such a curve recurs with itself only. In one pose it is a piece of no meaning, s
 from __future__ import annotations
 
 import numpy as np
+from scipy.ndimage import uniform_filter1d
 from scipy.spatial import cKDTree
+from scipy.stats import binom
 
 from ..geometry.motions import apply, exponential, inverse, screw_velocity
 from ..geometry.polylines import directions, resample_polyline
@@ -19,6 +21,10 @@ those that a motion must move a point, share of a curve that slides, and cosine 
 RUNS_ON = 0.33
 """Share of what is shown of a curve that must be shown of the way to its image for both to be one: about where the odds
 of seen against chance are even."""
+
+AROUND, STEPS, UNLIKELY = 8, 64, 0.01
+"""Edge lengths of the shortest gap that tells, places on the way that are asked (a count), and how unlikely it must be
+that holes leave so few at one place."""
 
 WELL = 0.5
 """Share of what the pose that shows a curve best shows of it that another must show to be asked (tolerance)."""
@@ -59,7 +65,8 @@ class Ways:
 
         From each pose the motion to the nearest other one is asked. A curve that lies on its own image there runs on,
         as a ring about the axis does. One that lies along the way of the motion does where the network shows the way
-        between it and its image about as well as the curve itself: a cornice, not a row of sills.
+        between it and its image about as well as the curve itself, and nowhere is a gap that all share: a cornice, not
+        a row of sills.
         """
         way = directions(curve)
         here = self._shown(apply(self.poses, curve), way @ np.swapaxes(self.poses[:, :3, :3], 1, 2))
@@ -70,14 +77,11 @@ class Ways:
         other = mine[cKDTree(at).query(at, k=2)[1][:, 1]]
         motions = inverse(self.poses[mine]) @ self.poses[other]
         on, along = self._kinds(curve, way, motions)
-        between = [
-            self._between(curve, self.poses[a], g) if one else None for a, g, one in zip(mine, motions, along & ~on)
-        ]
-        gaps = np.array([np.nan if gap is None else gap for gap in between])
-        asked = np.isfinite(gaps)
+        asked = along & ~on
         runs = on.copy()
         if asked.any():
-            runs[asked] = gaps[asked].mean() >= RUNS_ON * here[mine][asked].mean()
+            p = float(here[mine][asked].mean())
+            runs[asked] = self._runs_on(curve, [(self.poses[a], g) for a, g in zip(mine[asked], motions[asked])], p)
         return bool(2 * runs.sum() > len(mine))
 
     def _kinds(self, curve, way, motions):
@@ -96,24 +100,41 @@ class Ways:
         along = far & (np.abs((velocity * way).sum(-1)) > STRAIGHT * speed)
         return on.mean(axis=1) > MOSTLY, along.mean(axis=1) > MOSTLY
 
+    def _runs_on(self, curve, ways, p):
+        """Whether the network shows the ways (list of pose and motion) of a curve to its images, without what lies
+        beside either; p : share of the curve that is shown."""
+        between = np.array([self._between(curve, *way) for way in ways])
+        free = np.isfinite(between)
+        if not free.any():
+            return True
+        if np.nanmean(between) < RUNS_ON * p:
+            return False
+        # Holes are anywhere, ends are at one place.
+        whole = free.all(axis=0)
+        shown = (between[:, whole] > 0.5).sum(axis=0)
+        return not (whole.any() and binom.cdf(shown, len(ways), p).min() < UNLIKELY)
+
     def _between(self, curve, pose, motion):
-        """Share that the network shows of the way of the curve's middle to its image, without what lies beside either;
-        1 where nothing is between."""
+        """(STEPS,) float64, of places on the way of the curve's middle to its image, the share of what is around them
+        that the network shows; nan where the curve or its image lies."""
         twist = np.concatenate(screw_velocity(motion[None]), axis=1)[0]
         middle = curve[len(curve) // 2]
         steps = exponential(np.linspace(0, 1, 200)[:, None] * twist)
         line = resample_polyline(apply(steps, middle[None])[:, 0], 1.0, False)
-        free = ~np.isfinite(cKDTree(curve).query(line, distance_upper_bound=self.radius)[0])
-        free &= ~np.isfinite(cKDTree(apply(motion, curve)).query(line, distance_upper_bound=self.radius)[0])
-        if free.sum() < 3:
-            return 1.0
-        at, way = apply(pose, line[free]), directions(line)[free] @ pose[:3, :3].T
-        return float(self._shown(at[None], way[None])[0])
+        at, way = apply(pose, line), directions(line) @ pose[:3, :3].T
+        shown = uniform_filter1d(self._flags(at[None], way[None])[0].astype(float), AROUND, mode="nearest")
+        shown[np.isfinite(cKDTree(curve).query(line, distance_upper_bound=self.radius)[0])] = np.nan
+        shown[np.isfinite(cKDTree(apply(motion, curve)).query(line, distance_upper_bound=self.radius)[0])] = np.nan
+        return shown[(np.arange(STEPS) + 0.5).astype(int) * len(line) // STEPS]
 
     def _shown(self, points, ways):
         """(k,) float64, share of points (k, m, 3) with directions (k, m, 3) that the network shows."""
+        return self._flags(points, ways).mean(axis=1)
+
+    def _flags(self, points, ways):
+        """(k, m) bool, points (k, m, 3) with directions (k, m, 3) that the network shows."""
         distance, near = self.tree.query(points, k=4, distance_upper_bound=self.radius)
         found = np.isfinite(distance)
         line = self.network.tangents[np.where(found, near, 0)]
         found &= np.abs((line * ways[:, :, None]).sum(-1)) > 0.75
-        return found.any(axis=2).mean(axis=1)
+        return found.any(axis=2)

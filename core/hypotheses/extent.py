@@ -77,7 +77,6 @@ def extended(field: Field, thing: Hypothesis, taken, *, reach) -> Hypothesis | N
     counts = _counts_at(field, poses, fine, owner, hit)
     p = min(thing.shown, 0.6)
     q = np.clip(chance_of(field, poses, fine), LEAST_CHANCE, p - 0.1)
-    q[_running_on(field, poses, fine, hit)] = p
     rival = np.maximum(q, RIVAL * p)
     # Its own sample is free: that something is there once is no evidence.
     odds = (log_odds(hit, p, rival) * counts).sum(axis=0) - np.log(p / rival)
@@ -87,6 +86,7 @@ def extended(field: Field, thing: Hypothesis, taken, *, reach) -> Hypothesis | N
     keep = _hanging_together(fine, odds, good, thing)
     if keep is None:
         return None
+    q[_running_on(field, poses, fine, hit)] = p
     fine, q = fine.take(keep), q[keep]
     shown = float((field.targets(poses, fine) >= 0).mean())
     return replace(thing, probe=fine, chance=q, shown=float(np.clip(shown, *SHOWN)))

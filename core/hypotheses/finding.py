@@ -45,6 +45,9 @@ ends, before and after the first thing; things that are looked for at most; swee
 things that are held against each other before one is taken; and growths that may lead where a seed leads before it is
 not grown, too."""
 
+HALVES = 3
+"""How often halves are put together: an eighth of a thing is found at most; count that bounds the work."""
+
 SAME, HOPELESS = 0.9, 0.5
 """Share of their samples that two things explain both, when they are one (tolerance); and share of what the best thing
 saves below which others are not put right: what is put right may save more than before."""
@@ -164,8 +167,9 @@ def _over(rounds, part):
 
 
 def _cells_put_right(field, thing, expected, seeds, taken, significance, tick):
-    """The thing and its E-value, or those of what it is two of, and of what it is half of."""
-    for step in (lambda t: split(field, t, seeds, taken, tick), lambda t: merged(field, t, taken)):
+    """The thing and its E-value, or those of what it is two of, and of what it is a half, or a quarter, of."""
+    halves = [lambda t: merged(field, t, taken)] * HALVES
+    for step in (lambda t: split(field, t, seeds, taken, tick), *halves):
         other = step(thing)
         tick()
         if other is not thing:

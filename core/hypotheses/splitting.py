@@ -68,7 +68,9 @@ def _inner_motions(field, thing, seeds):
 
 
 def _closing(thing, motions):
-    steps = cKDTree(thing.embedded(relative(thing.poses[:24])))
+    # From one pose to another: what half a turn brings back to its own pose is a thing within a thing.
+    steps = relative(thing.poses[:24])[~np.eye(len(thing.poses[:24]), dtype=bool).ravel()]
+    steps = cKDTree(thing.embedded(steps))
     closes = np.zeros(len(motions), bool)
     for n in FRACTIONS:
         power = thing.embedded(np.linalg.matrix_power(motions, n))

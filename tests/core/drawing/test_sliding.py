@@ -36,6 +36,16 @@ def test_a_cornice_runs_on_and_a_row_of_sills_does_not():
     assert not asked.slides(sills[0])
 
 
+def test_the_middle_of_wide_sills_does_not_run_on_as_all_end_at_one_place():
+    sills = [line(60, start=(85.0 * k, 20, 0)) for k in range(4)]
+    middle = line(60, start=(0, 20, 0))[20:41]
+    assert not ways(sills, row(4, step=85.0)).slides(middle)
+    # With holes that are anywhere it is one line.
+    whole = line(315, start=(0, 20, 0))
+    pieces = [whole[a:b] for a, b in ((0, 46), (58, 148), (160, 246), (258, 316))]
+    assert ways(pieces, row(4, step=85.0)).slides(middle)
+
+
 def test_a_cornice_of_two_bays_runs_on_though_others_lack_it():
     asked = ways([line(95, start=(0, 0, 0)), *(line(30, start=(0, 40, 20.0 * k)) for k in range(3))], row(6))
     assert asked.slides(line(30))
