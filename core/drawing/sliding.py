@@ -13,6 +13,7 @@ from scipy.stats import binom
 
 from ..geometry.motions import apply, exponential, inverse, screw_velocity
 from ..geometry.polylines import directions, resample_polyline
+from .evidence import MOST_SHOWN
 
 NEIGHBOURS, SAME, MOVED, MOSTLY, STRAIGHT = 6, 5.0, 4.0, 0.7, 0.97
 """Tolerances: poses around each to which motions are looked at, edge lengths (RMS) within which two motions are one,
@@ -80,7 +81,7 @@ class Ways:
         asked = along & ~on
         runs = on.copy()
         if asked.any():
-            p = float(here[mine][asked].mean())
+            p = min(float(here[mine][asked].mean()), MOST_SHOWN)
             runs[asked] = self._runs_on(curve, [(self.poses[a], g) for a, g in zip(mine[asked], motions[asked])], p)
         return bool(2 * runs.sum() > len(mine))
 

@@ -125,15 +125,18 @@ def _first_evident(field, growths, taken, significance, log, *, seeds, pairs, ti
     -----
     Halves save more than what they are halves of. So what was put right is held against the next ones once more.
     """
-    best, key, most, rivals = None, None, 0.0, 0
+    best, key, most, rivals, swept = None, None, 0.0, 0, 0
     for s, rival in _by_saving(growths, tick):
         if best is not None and (rival.saves <= HOPELESS * most or rivals == RIVALS):
             break
         if best is not None and _same(field, rival.thing, best):
             continue
-        thing = evident(field, rival.thing)
-        tick()
-        expected = expected_by_chance(field, thing)
+        thing, expected = _asked(field, rival.thing, tick)
+        if expected > significance and rivals + swept < RIVALS:
+            # Of what is small, many poses are evident that few are not.
+            swept += 1
+            more = full_grown(field, rival.thing, seeds, taken, price=EAGER, rounds=SWEEPS, pairs=pairs, tick=tick)
+            thing, expected = _asked(field, more, tick)
         if expected <= significance:
             thing, expected = _cells_put_right(field, thing, expected, seeds, taken, significance, tick)
             thing, expected = _swept(field, thing, expected, seeds, taken, pairs, significance, tick)
@@ -148,6 +151,13 @@ def _first_evident(field, growths, taken, significance, log, *, seeds, pairs, ti
         if saves > most:
             best, key, most = replace(thing, expected=expected), s, saves
     return best, key
+
+
+def _asked(field, thing, tick):
+    """The thing with its evident poses, and its E-value."""
+    thing = evident(field, thing)
+    tick()
+    return thing, expected_by_chance(field, thing)
 
 
 def _same(field, thing, other):
