@@ -3,35 +3,58 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..evidence.alignment import align
 from ..evidence.field import Field
-from .growth import CAREFUL, ORBIT_POSE, PROMINENT, SAME_POSE, accepted, prominence
+from .growth import CAREFUL, ORBIT_POSE, SAME_POSE, accepted
 from .hypothesis import Hypothesis, explained
-from .significance import evident
+from .significance import EXPECTED, LIKELY, SELECTED, evidence_for, evident
+
+FREE = 0.5
+"""Share of what a cell shows that nothing else may explain."""
 
 
 def with_empty_cells(field: Field, thing: Hypothesis, orbit, others) -> Hypothesis:
     """The thing with the empty cells of its orbit that show it.
 
     orbit : with `empty_poses()`; others : things (list) whose samples are explained already
+
+    Notes
+    -----
+    The cells are asked with all that is about the thing, as evidence for its poses is. Those that are sure come first:
+    they sharpen what is asked of the others.
     """
     poses = orbit.empty_poses()
     if not len(poses):
         return thing
     # What stands beside the orbit may stand in the way of its cells: it is asked again after them.
     base, beside = thing.at(np.flatnonzero(orbit.fits)), thing.poses[~orbit.fits]
-    owned = explained(field, base)
+    owned = np.zeros(len(field), bool)
     for other in others:
         if other is not thing:
             owned |= explained(field, other)
-    moved = align(field, poses, thing.probe, radii=(4.0, 2.5, 2.0))
-    gap = np.linalg.norm(thing.embedded(moved) - thing.embedded(poses), axis=1)
-    moved = moved[gap < SAME_POSE]
-    moved = moved[prominence(field, thing, moved, owned) >= PROMINENT]
-    full = accepted(field, base, moved, np.full(len(moved), ORBIT_POSE), owned)
+    full = base
+    for least in (SELECTED, EXPECTED):
+        moved = align(field, poses, full.probe, radii=(4.0, 2.5, 2.0))
+        near = field.targets(moved, full.probe)
+        free = (near >= 0) & ~(owned | explained(field, full))[near]
+        fits = np.linalg.norm(full.embedded(moved) - full.embedded(poses), axis=1) < SAME_POSE
+        fits &= free.sum(axis=1) > FREE * (near >= 0).sum(axis=1)
+        moved, asked = moved[fits], np.flatnonzero(fits)
+        if not len(moved):
+            continue
+        e = evidence_for(field, full, moved)
+        worth = np.array([min(e.total[k], e.worth(slice(k, k + 1), LIKELY)) for k in range(len(moved))])
+        good = worth > least
+        full = replace(
+            full, poses=np.concatenate([full.poses, moved[good]]), scores=np.append(full.scores, worth[good]),
+            cost=np.append(full.cost, np.full(good.sum(), ORBIT_POSE)),
+        )  # fmt: skip
+        poses = np.delete(poses, asked[good], axis=0)
     if len(full) == len(base):
         return thing
-    full = accepted(field, full, beside, np.full(len(beside), CAREFUL[0]), owned | explained(field, full))
-    return evident(field, full)
+    owned |= explained(field, full)
+    return evident(field, accepted(field, full, beside, np.full(len(beside), CAREFUL[0]), owned))

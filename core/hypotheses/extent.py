@@ -86,7 +86,7 @@ def extended(field: Field, thing: Hypothesis, taken, *, reach) -> Hypothesis | N
     keep = _hanging_together(fine, odds, good, thing)
     if keep is None:
         return None
-    q[_running_on(field, poses, fine, hit)] = p
+    q[_running_on(field, poses, fine, hit)] = 1.0
     fine, q = fine.take(keep), q[keep]
     shown = float((field.targets(poses, fine) >= 0).mean())
     return replace(thing, probe=fine, chance=q, shown=float(np.clip(shown, *SHOWN)))
@@ -106,10 +106,10 @@ def _running_on(field, poses, probe, hit):
     return 2 * (slides & hit).sum(axis=0) > hit.sum(axis=0)
 
 
-def chance_at(field: Field, poses, probe: Probe, p):
-    """(m,) float64, the chance of each point at the poses of a thing that an occurrence shows to a share p."""
-    q = np.clip(chance_of(field, poses, probe), LEAST_CHANCE, p - 0.1)
-    q[_running_on(field, poses, probe, field.targets(poses, probe) >= 0)] = p
+def chance_at(field: Field, poses, probe: Probe):
+    """(m,) float64, the chance of each point at the poses of a thing; 1 where it runs on from pose to pose."""
+    q = np.maximum(chance_of(field, poses, probe), LEAST_CHANCE)
+    q[_running_on(field, poses, probe, field.targets(poses, probe) >= 0)] = 1.0
     return q
 
 

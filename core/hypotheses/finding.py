@@ -125,9 +125,9 @@ def _first_evident(field, growths, taken, significance, log, *, seeds, pairs, ti
     -----
     Halves save more than what they are halves of. So what was put right is held against the next ones once more.
     """
-    best, key, most, rivals, swept = None, None, 0.0, 0, 0
+    best, key, most, rivals, swept = None, None, -np.inf, 0, 0
     for s, rival in _by_saving(growths, tick):
-        if best is not None and (rival.saves <= HOPELESS * most or rivals == RIVALS):
+        if best is not None and (rival.saves < HOPELESS * most or rivals == RIVALS):
             break
         if best is not None and _same(field, rival.thing, best):
             continue
@@ -144,7 +144,7 @@ def _first_evident(field, growths, taken, significance, log, *, seeds, pairs, ti
         log(f"thing: {len(thing)} poses, {len(thing.points)} points, gain {thing.gain:.0f}, E {expected:.2g}")
         tick()
         saves = saving(thing)
-        if expected > significance or saves <= 0:
+        if expected > significance or len(thing) < 2:
             growths[s].remove(rival)
             continue
         rivals += 1

@@ -13,8 +13,8 @@ from ..evidence.decoys import SHIFTS, decoys, slipped
 from ..evidence.field import Field
 from ..evidence.odds import LEAST_CHANCE
 from ..geometry.motions import inverse
-from ..transformations.description import saving, worth_saying
-from .extent import SHOWN, chance_at, chance_of, extended, joined, spread
+from ..transformations.description import worth_saying
+from .extent import chance_at, chance_of, extended, joined, spread
 from .hypothesis import SPACING, Hypothesis, distinct, explained, pose_scores
 from .seeding import Seeds
 from .symmetry import oriented, replace_frame
@@ -30,9 +30,6 @@ ORBIT_POSE = 7.0
 
 PROMINENT = 5.0
 """Log odds by which a pose must beat its own shifts."""
-
-SHARES = 0.6, 0.75, 0.9
-"""Shares of a thing that an occurrence may show, of which the one is taken that explains most."""
 
 PARTIAL = 0.5
 """Share of what an occurrence typically shows that each must show: what shows less is another thing's."""
@@ -289,14 +286,7 @@ def rescored(field: Field, thing: Hypothesis, taken) -> Hypothesis:
 
 
 def appraised(field: Field, thing: Hypothesis, taken) -> Hypothesis:
-    """The thing with chance measured at the poses that it has now, scored by the share of it that an occurrence shows
-    which explains most: so that things of other growths can be held against it."""
+    """The thing with chance measured at the poses that it has now: things of other growths are held against it."""
     if len(thing) < 2:
         return thing
-    best = None
-    for shown in SHARES:
-        chance = chance_at(field, thing.poses, thing.probe, min(shown, SHARES[0]))
-        other = rescored(field, replace(thing, chance=chance, shown=shown), taken)
-        if best is None or saving(other) > saving(best):
-            best = other
-    return replace(best, shown=float(np.clip(best.shown, *SHOWN)))
+    return rescored(field, replace(thing, chance=chance_at(field, thing.poses, thing.probe)), taken)

@@ -16,6 +16,12 @@ from ..transformations.description import describe
 SPACING = 2.0
 """Edge lengths from one point of a thing to the next (count that bounds the work)."""
 
+SHARES = 0.45, 0.6, 0.75, 0.9
+"""Shares of a thing that an occurrence may show: what was seen on damaged scenes, from many holes to next to none."""
+
+CERTAIN = 0.99
+"""Chance from which on a point tells nothing (numerical)."""
+
 
 @dataclass(frozen=True)
 class Hypothesis:
@@ -97,18 +103,27 @@ def pose_scores(field: Field, thing: Hypothesis, poses, owned, *, beside=None):
     ----------
     owned : (n,) bool, samples that are explained already: they count nothing
     beside : (j, 4, 4), poses that are known; what slides from the nearest of them counts nothing
+
+    Notes
+    -----
+    How much an occurrence shows differs from one to the next, and those that were found first show the most. So each
+    is asked with several shares, and the one that it fits best is taken, at the price of the choice.
     """
     near = field.targets(poses, thing.probe)
     hit = near >= 0
-    p, q = thing.shown, np.minimum(thing.chance, thing.shown - 0.05)
-    terms = log_odds(hit, p, q) * (SPACING / UNIT)
-    terms[hit & owned[near]] = 0
+    tells = ~(hit & owned[near]) & (thing.chance < CERTAIN)
     if beside is not None and len(beside):
         base = beside[
             np.linalg.norm(thing.centres(poses)[:, None] - thing.centres(beside)[None], axis=2).argmin(axis=1)
         ]
-        terms[sliding(field, between(poses, base), thing.probe.moved(base))] = 0
-    return terms.sum(axis=1), terms, near
+        tells &= ~sliding(field, between(poses, base), thing.probe.moved(base))
+    odds = np.array([[log_odds(h, p, np.minimum(thing.chance, p - 0.05)) for h in (False, True)] for p in SHARES])
+    odds *= SPACING / UNIT
+    missed = tells & ~hit
+    total = missed.astype(float) @ odds[:, 0].T + (tells & hit).astype(float) @ odds[:, 1].T
+    best = total.argmax(axis=1)
+    terms = np.where(hit, odds[best, 1], odds[best, 0]) * tells
+    return terms.sum(axis=1) - np.log(len(SHARES)), terms, near
 
 
 def explained(field: Field, thing: Hypothesis, poses=None):

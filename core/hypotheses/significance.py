@@ -110,19 +110,53 @@ def pose_evidence(field: Field, thing: Hypothesis) -> PoseEvidence:
     All samples within `ABOUT` of the thing at any pose tell, whether growth chose them or not. How often a point is
     shown is counted at the other poses only, so that no pose speaks for itself.
     """
-    points, block = _overlay(field, thing)
-    near = field.targets(thing.poses, points)
-    hit = near >= 0
-    others = hit.sum(axis=0) - hit
-    nearest = _nearest_pose(thing)
-    slides = sliding(field, between(thing.poses, thing.poses[nearest]), points.moved(thing.poses[nearest]))
-    tells = (others > 0) & ~slides
-    weight = lines_once(points.points, points.tangents, hit.sum(axis=0) > 1) * (SPACING / UNIT)
-    tested = [
-        _Tested(field, pose, points.take(t), block[t], weight[t], near[k, t], others[k, t], len(thing) - 1)
-        for k, (pose, t) in enumerate(zip(thing.poses, tells))
-    ]
+    about = _About.of(field, thing)
+    tested = about.tested(field, thing.poses, _nearest_pose(thing), np.ones(len(thing), int))
     return max((_evidence(tested, *noise) for noise in NOISE), key=lambda e: e.total.sum())
+
+
+def evidence_for(field: Field, thing: Hypothesis, poses) -> PoseEvidence:
+    """Evidence for other poses (k, 4, 4), each for itself, by what the poses of a thing show."""
+    about = _About.of(field, thing)
+    own = about.tested(field, thing.poses, _nearest_pose(thing), np.ones(len(thing), int))
+    noise = max(NOISE, key=lambda noise: _evidence(own, *noise).total.sum())
+    gap = np.linalg.norm(thing.centres(poses)[:, None] - thing.centres()[None], axis=2)
+    return _evidence(about.tested(field, poses, gap.argmin(axis=1), np.zeros(len(poses), int)), *noise)
+
+
+@dataclass(frozen=True)
+class _About:
+    """Points about a thing. near : (k, m) int32, samples that show them at its poses; weight : (m,), how much each
+    tells; block : (m,) int64, the block of curve that each stands in"""
+
+    poses: np.ndarray
+    points: Probe
+    block: np.ndarray
+    near: np.ndarray
+    weight: np.ndarray
+
+    @classmethod
+    def of(cls, field, thing):
+        """The points about a thing at all its poses."""
+        points, block = _overlay(field, thing)
+        near = field.targets(thing.poses, points)
+        weight = lines_once(points.points, points.tangents, (near >= 0).sum(axis=0) > 1) * (SPACING / UNIT)
+        return cls(thing.poses, points, block, near, weight)
+
+    def tested(self, field, poses, beside, own):
+        """Poses (k, 4, 4) with what is near each (list); beside : (k,), pose of the thing from which what slides counts
+        nothing; own : (k,), 1 where it is a pose of the thing itself, by which no point is counted."""
+        near = self.near if own.all() else field.targets(poses, self.points)
+        others = (self.near >= 0).sum(axis=0) - own[:, None] * (near >= 0)
+        base = self.poses[beside]
+        tells = (others > 0) & ~sliding(field, between(poses, base), self.points.moved(base))
+        return [
+            _Tested(
+                field, pose, self.points.take(t), self.block[t], self.weight[t], near[k, t], others[k, t],
+                len(self.poses) - own[k],
+            )
+            for k, (pose, t) in enumerate(zip(poses, tells))
+        ]  # fmt: skip
 
 
 def _evidence(tested, shown, belongs):
