@@ -11,7 +11,7 @@ from .completion import build_completion
 from .drawing import draw
 from .errors import InputError
 from .evidence.field import Field
-from .hypotheses.completing import with_empty_cells
+from .hypotheses.completing import with_empty_cells_of_all
 from .hypotheses.finding import find_things
 from .hypotheses.seeding import find_seeds
 from .matching.blast import feature_blast
@@ -57,8 +57,7 @@ def _complete(curves, edge_length, p, clock):
     with clock.stage("growth"):
         things = find_things(field, seeds, significance=p.significance, tick=clock.tick)
     with clock.stage("orbits"):
-        things = [with_empty_cells(field, thing, describe(thing), things) for thing in things]
-        clock.tick()
+        things = with_empty_cells_of_all(field, things, clock.tick)
     with clock.stage("selection"):
         model = select_model(field, things, l0=p.l0, t=p.t, bayes_ratio=p.bayes_ratio, tick=clock.tick)
         orbits = [describe(thing) for thing in model.things]

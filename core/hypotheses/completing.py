@@ -17,10 +17,10 @@ FREE = 0.5
 """Share of what a cell shows that nothing else may explain."""
 
 
-def with_empty_cells(field: Field, thing: Hypothesis, orbit, others) -> Hypothesis:
+def with_empty_cells(field: Field, thing: Hypothesis, orbit, taken) -> Hypothesis:
     """The thing with the empty cells of its orbit that show it.
 
-    orbit : with `empty_poses()`; others : things (list) whose samples are explained already
+    orbit : with `empty_poses()`; taken : (n,) bool, samples that other things explain
 
     Notes
     -----
@@ -32,15 +32,11 @@ def with_empty_cells(field: Field, thing: Hypothesis, orbit, others) -> Hypothes
         return thing
     # What stands beside the orbit may stand in the way of its cells: it is asked again after them.
     base, beside = thing.at(np.flatnonzero(orbit.fits)), thing.poses[~orbit.fits]
-    owned = np.zeros(len(field), bool)
-    for other in others:
-        if other is not thing:
-            owned |= explained(field, other)
     full = base
     for least in (SELECTED, EXPECTED):
         moved = align(field, poses, full.probe, radii=(4.0, 2.5, 2.0))
         near = field.targets(moved, full.probe)
-        free = (near >= 0) & ~(owned | explained(field, full))[near]
+        free = (near >= 0) & ~(taken | explained(field, full))[near]
         fits = np.linalg.norm(full.embedded(moved) - full.embedded(poses), axis=1) < SAME_POSE
         fits &= free.sum(axis=1) > FREE * (near >= 0).sum(axis=1)
         moved, asked = moved[fits], np.flatnonzero(fits)
@@ -56,5 +52,18 @@ def with_empty_cells(field: Field, thing: Hypothesis, orbit, others) -> Hypothes
         poses = np.delete(poses, asked[good], axis=0)
     if len(full) == len(base):
         return thing
-    owned |= explained(field, full)
+    owned = taken | explained(field, full)
     return evident(field, accepted(field, full, beside, np.full(len(beside), CAREFUL[0]), owned))
+
+
+def with_empty_cells_of_all(field: Field, things, tick=lambda: None):
+    """Things (list), each with the empty cells of its orbit that show it and that no other thing explains."""
+    out = []
+    for thing in things:
+        taken = np.zeros(len(field), bool)
+        for other in things:
+            if other is not thing:
+                taken |= explained(field, other)
+        out.append(with_empty_cells(field, thing, thing.orbit, taken))
+        tick()
+    return out

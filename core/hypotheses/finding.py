@@ -13,6 +13,7 @@ from scipy.spatial import cKDTree
 from ..evidence.field import Field
 from ..geometry.motions import inverse
 from ..transformations.description import saving
+from .completing import with_empty_cells
 from .growth import (
     CAREFUL,
     EAGER,
@@ -32,7 +33,7 @@ from .leading import leading, scored_widely
 from .merging import merged
 from .seeding import Seeds
 from .significance import evident, expected_by_chance
-from .splitting import split
+from .splitting import parted, split
 from .sweeping import PointPairs
 
 STARTS, APART, FRESH = 8, 15.0, 80
@@ -136,9 +137,9 @@ def _first_evident(field, growths, taken, significance, log, *, seeds, pairs, ti
             # Of what is small, many poses are evident that few are not.
             swept += 1
             more = full_grown(field, rival.thing, seeds, taken, price=EAGER, rounds=SWEEPS, pairs=pairs, tick=tick)
-            thing, expected = _asked(field, more, tick)
+            thing, expected = _asked(field, with_empty_cells(field, more, more.orbit, taken), tick)
         if expected <= significance:
-            thing, expected = _cells_put_right(field, thing, expected, seeds, taken, significance, tick)
+            thing, expected = _cells_put_right(field, thing, expected, seeds, taken, pairs, significance, tick)
             thing, expected = _swept(field, thing, expected, seeds, taken, pairs, significance, tick)
             thing = appraised(field, thing, taken)
         log(f"thing: {len(thing)} poses, {len(thing.points)} points, gain {thing.gain:.0f}, E {expected:.2g}")
@@ -176,10 +177,11 @@ def _over(rounds, part):
     return 1 - (1 - LEAD) * REST**rounds * (1 - (1 - REST) * part)
 
 
-def _cells_put_right(field, thing, expected, seeds, taken, significance, tick):
+def _cells_put_right(field, thing, expected, seeds, taken, pairs, significance, tick):
     """The thing and its E-value, or those of what it is two of, and of what it is a half, or a quarter, of."""
     halves = [lambda t: merged(field, t, taken)] * HALVES
-    for step in (lambda t: split(field, t, seeds, taken, tick), *halves):
+    wholes = lambda t: split(field, t, seeds, taken, tick), lambda t: parted(field, t, seeds, taken, pairs, tick)  # noqa: E731
+    for step in (*wholes, *halves):
         other = step(thing)
         tick()
         if other is not thing:

@@ -2,7 +2,7 @@
 """Double cells: a thing that repeats within itself at a fraction of the step between its poses is two of a smaller one.
 
 What repeats at one offset in each pose, and not from pose to pose, is a thing within a thing (two jambs of each window)
-and no reason to split.
+and no reason to split. A thing that reaches over its neighbours keeps them from being poses of their own.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from ..evidence.field import Field
 from ..geometry.motions import inverse
 from ..transformations.description import saving
 from .extent import extended
-from .growth import appraised, posed, rescored, with_more_poses
-from .hypothesis import Hypothesis, distinct, relative
+from .growth import EAGER, PROMINENT, appraised, full_grown, posed, prominence, rescored, with_more_poses
+from .hypothesis import Hypothesis, distinct, pose_scores, relative
 from .seeding import Seeds
 
 FRACTIONS, CLOSES, AWAY = (2, 3, 4), 4.0, 8.0
@@ -27,6 +27,9 @@ edge lengths that the middle must move."""
 
 REPEATED, TRIES, FEWEST = 0.2, 3, 12
 """Share of the thing that repeats within it, motions that are tried, and points that must repeat."""
+
+LOOKED, MANY = 100, 0.3
+"""Poses beside that are looked at (count that bounds the work); and how many of them there must be for each pose."""
 
 
 def split(field: Field, thing: Hypothesis, seeds: Seeds, taken, tick=lambda: None) -> Hypothesis:
@@ -105,3 +108,57 @@ def _halved(field, thing, motion, seeds, taken):
         if reach:
             part = rescored(field, with_more_poses(field, part, seeds, taken), taken)
     return part
+
+
+def parted(field: Field, thing: Hypothesis, seeds: Seeds, taken, pairs, tick=lambda: None) -> Hypothesis:
+    """The thing cut where it reaches over neighbours that show it as well, at the poses of both and grown anew, if that
+    saves more; or the thing itself.
+
+    pairs : PointPairs of the network
+    """
+    if len(thing) < 2:
+        return thing
+    found = _overlapping(field, thing, taken, pairs)
+    tick()
+    if len(found) < MANY * len(thing):
+        return thing
+    poses = np.concatenate([thing.poses, found])
+    centres = thing.centres(poses)
+    places = thing.probe.moved(thing.poses).points
+    owner = cKDTree(centres).query(places.reshape(-1, 3))[1].reshape(places.shape[:2])
+    # Only where a neighbour was found is a point known to be one's own or the other's.
+    beside = np.linalg.norm(centres[: len(thing), None] - centres[None, len(thing) :], axis=2).min(axis=1)
+    size = 2 * np.linalg.norm(thing.points - thing.points.mean(axis=0), axis=1).max()
+    asked = beside < size
+    own = (owner == np.arange(len(thing))[:, None])[asked].mean(axis=0) > 0.5 if asked.any() else np.zeros(0, bool)
+    if own.sum() < FEWEST or own.all():
+        return thing
+    part = posed(replace(thing, probe=thing.probe.take(own), chance=thing.chance[own]), poses)
+    # Its poses first, lest it grows over the same neighbours again.
+    part = replace(part, poses=align(field, part.poses, part.probe, radii=(2.5, 2.0)))
+    part = rescored(field, part, taken)
+    part = with_more_poses(field, part, seeds, taken, EAGER, pairs.poses(part))
+    if len(part) <= len(thing):
+        return thing
+    part = full_grown(field, part, seeds, taken, price=EAGER, pairs=pairs, tick=tick)
+    part = appraised(field, part, taken)
+    return part if len(part) > len(thing) and saving(part) > saving(appraised(field, thing, taken)) else thing
+
+
+def _overlapping(field, thing, taken, pairs):
+    """Other poses (k, 4, 4) that show the thing, be it by what it explains at its own poses."""
+    poses = pairs.poses(thing)
+    if not len(poses):
+        return poses
+    poses = poses[np.sort(distinct(thing, poses, -np.arange(len(poses)), gap=6.0)[:LOOKED])]
+    poses = align(field, poses, thing.probe, radii=(4.0, 2.5, 2.0))
+    score = pose_scores(field, thing, poses, taken, beside=thing.poses)[0]
+    away = cKDTree(thing.centres()).query(thing.centres(poses))[0] > AWAY
+    good = np.flatnonzero((score > EAGER[0]) & away)
+    good = good[prominence(field, thing, poses[good], taken) >= PROMINENT]
+    good = good[np.argsort(-score[good], kind="stable")]
+    kept = np.zeros(0, int)
+    for k in good:
+        if not len(kept) or np.linalg.norm(thing.centres(poses[kept]) - thing.centres(poses[[k]]), axis=1).min() > AWAY:
+            kept = np.append(kept, k)
+    return poses[kept]
