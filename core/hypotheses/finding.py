@@ -141,10 +141,9 @@ def _first_evident(field, growths, taken, significance, log, *, seeds, pairs, ti
         if expected <= significance:
             thing, expected = _cells_put_right(field, thing, expected, seeds, taken, pairs, significance, tick)
             thing, expected = _swept(field, thing, expected, seeds, taken, pairs, significance, tick)
-            thing = appraised(field, thing, taken)
         log(f"thing: {len(thing)} poses, {len(thing.points)} points, gain {thing.gain:.0f}, E {expected:.2g}")
         tick()
-        saves = saving(thing)
+        saves = saving(appraised(field, thing, taken))
         if expected > significance or len(thing) < 2:
             growths[s].remove(rival)
             continue

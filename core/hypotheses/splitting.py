@@ -17,9 +17,11 @@ from ..evidence.field import Field
 from ..geometry.motions import inverse
 from ..transformations.description import saving
 from .extent import extended
-from .growth import EAGER, PROMINENT, appraised, full_grown, posed, prominence, rescored, with_more_poses
+from .completing import with_empty_cells
+from .growth import EAGER, PROMINENT, SAME_POSE, appraised, full_grown, posed, prominence, rescored, with_more_poses
 from .hypothesis import Hypothesis, distinct, pose_scores, relative
 from .seeding import Seeds
+from .significance import independent_evidence
 
 FRACTIONS, CLOSES, AWAY = (2, 3, 4), 4.0, 8.0
 """Parts of a step that are tried, RMS edge lengths within which the parts must close a step (times their number), and
@@ -28,8 +30,9 @@ edge lengths that the middle must move."""
 REPEATED, TRIES, FEWEST = 0.2, 3, 12
 """Share of the thing that repeats within it, motions that are tried, and points that must repeat."""
 
-LOOKED, MANY = 100, 0.3
-"""Poses beside that are looked at (count that bounds the work); and how many of them there must be for each pose."""
+LOOKED, MANY, MEET = 100, 0.3, 3.0
+"""Poses beside that are looked at (count that bounds the work); how many of them there must be for each pose; and edge
+lengths within which points of two poses are one (tolerance)."""
 
 
 def split(field: Field, thing: Hypothesis, seeds: Seeds, taken, tick=lambda: None) -> Hypothesis:
@@ -111,8 +114,8 @@ def _halved(field, thing, motion, seeds, taken):
 
 
 def parted(field: Field, thing: Hypothesis, seeds: Seeds, taken, pairs, tick=lambda: None) -> Hypothesis:
-    """The thing cut where it reaches over neighbours that show it as well, at the poses of both and grown anew, if that
-    saves more; or the thing itself.
+    """The thing cut where it reaches over neighbours that show it as well, at the poses of both and grown anew, if more
+    is evident of that; or the thing itself.
 
     pairs : PointPairs of the network
     """
@@ -122,27 +125,42 @@ def parted(field: Field, thing: Hypothesis, seeds: Seeds, taken, pairs, tick=lam
     tick()
     if len(found) < MANY * len(thing):
         return thing
-    poses = np.concatenate([thing.poses, found])
-    centres = thing.centres(poses)
-    places = thing.probe.moved(thing.poses).points
-    owner = cKDTree(centres).query(places.reshape(-1, 3))[1].reshape(places.shape[:2])
-    # Only where a neighbour was found is a point known to be one's own or the other's.
-    beside = np.linalg.norm(centres[: len(thing), None] - centres[None, len(thing) :], axis=2).min(axis=1)
+    best, most = thing, independent_evidence(field, thing)
+    for inner in _common_motion(thing, found):
+        # Of what is there twice, one stays.
+        image = thing.points @ inner[:3, :3].T + inner[:3, 3]
+        own = ~(cKDTree(image).query(thing.points)[0] < MEET)
+        if own.sum() < FEWEST:
+            continue
+        part = replace(thing, probe=thing.probe.take(own), chance=thing.chance[own])
+        part = posed(part, np.concatenate([thing.poses, found]))
+        # Its poses first, lest it grows over the same neighbours again.
+        part = rescored(field, replace(part, poses=align(field, part.poses, part.probe, radii=(2.5, 2.0))), taken)
+        if len(part) < 2:
+            continue
+        part = with_more_poses(field, part, seeds, taken, EAGER, pairs.poses(part))
+        part = full_grown(field, part, seeds, taken, price=EAGER, pairs=pairs, tick=tick)
+        part = with_empty_cells(field, part, part.orbit, taken)
+        worth = independent_evidence(field, part)
+        if len(part) > len(thing) and worth > most:
+            best, most = part, worth
+    return best
+
+
+def _common_motion(thing, found):
+    """The motion (4, 4) of the frame that most often leads from a pose to a found one (k, 4, 4) beside it, and its
+    inverse."""
+    motions = (inverse(thing.poses)[:, None] @ found[None]).reshape(-1, 4, 4)
+    way = np.linalg.norm(thing.centres(motions) - thing.points.mean(axis=0), axis=1)
     size = 2 * np.linalg.norm(thing.points - thing.points.mean(axis=0), axis=1).max()
-    asked = beside < size
-    own = (owner == np.arange(len(thing))[:, None])[asked].mean(axis=0) > 0.5 if asked.any() else np.zeros(0, bool)
-    if own.sum() < FEWEST or own.all():
-        return thing
-    part = posed(replace(thing, probe=thing.probe.take(own), chance=thing.chance[own]), poses)
-    # Its poses first, lest it grows over the same neighbours again.
-    part = replace(part, poses=align(field, part.poses, part.probe, radii=(2.5, 2.0)))
-    part = rescored(field, part, taken)
-    part = with_more_poses(field, part, seeds, taken, EAGER, pairs.poses(part))
-    if len(part) <= len(thing):
-        return thing
-    part = full_grown(field, part, seeds, taken, price=EAGER, pairs=pairs, tick=tick)
-    part = appraised(field, part, taken)
-    return part if len(part) > len(thing) and saving(part) > saving(appraised(field, thing, taken)) else thing
+    motions = motions[way < size]
+    motions = motions[_closing(thing, motions)] if len(motions) else motions
+    if not len(motions):
+        return motions
+    vectors = thing.embedded(np.concatenate([motions, inverse(motions)]))
+    alike = cKDTree(vectors).query_ball_point(vectors, SAME_POSE, return_length=True)
+    best = motions[alike[: len(motions)].argmax()]
+    return np.stack([best, inverse(best)])
 
 
 def _overlapping(field, thing, taken, pairs):

@@ -3,22 +3,24 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from core.evidence.field import Field
 from core.evidence.odds import UNIT
 from core.geometry.motions import apply
-from core.hypotheses.extent import along_curves, spread
+from core.hypotheses.extent import along_curves, chance_at, spread
 from core.hypotheses.finding import find_things
 from core.hypotheses.growth import closures, rescored
-from core.hypotheses.hypothesis import SPACING, Hypothesis, distinct, explained, pose_scores
+from core.hypotheses.hypothesis import SHARES, SPACING, Hypothesis, distinct, explained, pose_scores
 from core.hypotheses.seeding import find_seeds
 from core.matching.blast import feature_blast
 from core.matching.strong import strong_curves
 from core.parameters import Parameters
 from core.threads import single_threaded
-from tests.core.shapes import line, network, ornament, random_motion, wiggle
+from tests.core.shapes import line, network, ornament, random_motion, to_frame, wiggle
 
 
 def scene(rng, places, clutter=0):
@@ -59,16 +61,39 @@ def test_pose_scores_are_those_of_the_loop(rng):
     field, thing = a_thing(rng)
     poses = np.stack([np.eye(4), random_motion(rng, reach=8.0)])
     owned = rng.random(len(field)) < 0.3
+    thing = replace(thing, chance=np.where(np.arange(len(thing.points)) % 3, 0.1, 1.0))
     scores, terms, near = pose_scores(field, thing, poses, owned)
     for k in range(len(poses)):
-        total = 0.0
-        for i in range(len(thing.points)):
-            hit = near[k, i] >= 0
-            if hit and owned[near[k, i]]:
-                continue
-            odds = np.log(0.5 / 0.1) if hit else np.log(0.5 / 0.9)
-            total += odds * SPACING / UNIT
-        assert scores[k] == pytest.approx(total)
+        best = -np.inf
+        for p in SHARES:
+            total = 0.0
+            for i in range(len(thing.points)):
+                hit = near[k, i] >= 0
+                if (hit and owned[near[k, i]]) or thing.chance[i] == 1.0:
+                    continue
+                odds = np.log(p / 0.1) if hit else np.log((1 - p) / 0.9)
+                total += odds * SPACING / UNIT
+            best = max(best, total)
+        assert scores[k] == pytest.approx(best - np.log(len(SHARES)))
+        assert terms[k].sum() == pytest.approx(best)
+
+
+def test_what_runs_on_from_pose_to_pose_tells_nothing_where_it_is_missing(rng):
+    thing = ornament(rng, 3, size=20, count=50)
+    row = [c + [70.0 * k, 0, 0] for k in range(5) for c in thing]
+    net = network([*row, line(420, start=(-60, 25, 0))])
+    field = Field(net, radius=2.0)
+    curve = net.source[net.curve_of]
+    first = np.flatnonzero((curve < 3) | (curve == 15))
+    first = first[np.linalg.norm(net.points[first] - net.points[curve < 3].mean(axis=0), axis=1) < 40][::2]
+    origin = to_frame(net, np.zeros((1, 3)))[0]
+    step = to_frame(net, np.array([[70.0, 0, 0]]))[0] - origin
+    poses = np.tile(np.eye(4), (5, 1, 1))
+    poses[:, :3, 3] = np.arange(5)[:, None] * step
+    chance = chance_at(field, poses, field.probe(first))
+    moulding = curve[first] == 15
+    assert moulding.sum() > 10 and (chance[moulding] == 1.0).all()
+    assert (chance[~moulding] < 1.0).mean() > 0.95
 
 
 def test_a_pose_that_is_there_already_explains_nothing_new(rng):

@@ -10,8 +10,11 @@ import pytest
 
 from core.evidence.field import Field, Probe
 from core.geometry.motions import apply
+from core.hypotheses.completing import with_empty_cells
 from core.hypotheses.hypothesis import Hypothesis
-from core.hypotheses.sweeping import PointPairs, features
+from core.hypotheses.seeding import Seeds
+from core.hypotheses.splitting import parted
+from core.hypotheses.sweeping import Crowd, PointPairs, features
 from core.hypotheses.symmetry import oriented
 from core.transformations.description import worth_saying
 from tests.core.shapes import circle, line, network, ornament, random_motion, to_frame, wiggle
@@ -62,6 +65,49 @@ def test_the_features_of_a_pair_are_its_own(rng):
     assert np.allclose(feature, turned[0]) and (bent == turned[1]).all()
     swapped = features(points, lines, pair[:, ::-1])[0]
     assert np.allclose(feature[:, [0, 2, 1, 3]], swapped)
+
+
+def test_a_crowd_is_counted_within_one_and_a_half_tolerances(rng):
+    features = rng.uniform(0, 6, (400, 4))
+    asked = rng.uniform(0, 6, (60, 4))
+    count = Crowd(features).about(asked)
+    cell = np.floor(asked)[:, None] - np.floor(features)[None]
+    assert (count == (np.abs(cell) <= 1).all(axis=2).sum(axis=1)).all()
+    gap = np.abs(asked[:, None] - features[None]).max(axis=2)
+    assert ((gap <= 1).sum(axis=1) <= count).all() and (count <= (gap <= 2).sum(axis=1)).all()
+
+
+def row_of_ornaments(rng, count, step=60.0):
+    """A row of one ornament, its network, the poses in the row, and its curves."""
+    curves = ornament(rng, 4, size=20, count=50)
+    poses = np.tile(np.eye(4), (count, 1, 1))
+    poses[:, :3, 3] = [[step * k, 0, 0] for k in range(count)]
+    return network([c + 0.1 * rng.normal(size=c.shape) for c in placed(curves, poses)]), poses, curves
+
+
+def test_a_thing_that_reaches_over_its_neighbours_is_cut(rng):
+    net, poses, curves = row_of_ornaments(rng, 6)
+    field, taken = Field(net, radius=2.0), np.zeros(sum(np.diff(net.offsets)), bool)
+    double = thing_at(net, placed(curves, poses[:2]), poses[::2])
+    none = np.zeros(0, np.int64)
+    seeds = Seeds(np.zeros((0, 4, 4)), none, none, none.reshape(0, 9), np.zeros(0), np.zeros(0))
+    out = parted(field, double, seeds, taken, PointPairs(field))
+    assert len(out) == 6 and len(out.points) < 0.7 * len(double.points)
+    whole = thing_at(net, curves, poses)
+    assert parted(field, whole, seeds, taken, PointPairs(field)) is whole
+
+
+def test_cells_that_an_orbit_predicts_are_asked_and_empty_ones_stay_empty(rng):
+    net, poses, curves = row_of_ornaments(rng, 7)
+    there = np.setdiff1d(np.arange(7), [3])
+    kept = [i for i in range(len(net)) if net.source[i] // len(curves) != 3]
+    field = Field(net.part(np.array(kept)), radius=2.0)
+    taken = np.zeros(len(field), bool)
+    thing = thing_at(net, curves, poses[[0, 1, 2, 5, 6]])
+    full = with_empty_cells(field, thing, thing.orbit, taken)
+    wanted = thing_at(net, curves, poses)
+    gap = wanted.differences(wanted.poses, full.poses).min(axis=1)
+    assert (gap[there] < 2.0).all() and gap[3] > 10.0 and len(full) == 6
 
 
 def test_a_straight_line_leads_nowhere():
