@@ -140,7 +140,6 @@ def _first_evident(field, growths, taken, significance, log, *, seeds, pairs, ti
             thing, expected = _asked(field, with_empty_cells(field, more, more.orbit, taken), tick)
         if expected <= significance:
             thing, expected = _cells_put_right(field, thing, expected, seeds, taken, pairs, significance, tick)
-            thing, expected = _swept(field, thing, expected, seeds, taken, pairs, significance, tick)
         log(f"thing: {len(thing)} poses, {len(thing.points)} points, gain {thing.gain:.0f}, E {expected:.2g}")
         tick()
         saves = saving(appraised(field, thing, taken))
@@ -177,18 +176,24 @@ def _over(rounds, part):
 
 
 def _cells_put_right(field, thing, expected, seeds, taken, pairs, significance, tick):
-    """The thing and its E-value, or those of what it is two of, and of what it is a half, or a quarter, of."""
-    halves = [lambda t: merged(field, t, taken)] * HALVES
-    wholes = lambda t: split(field, t, seeds, taken, tick), lambda t: parted(field, t, seeds, taken, pairs, tick)  # noqa: E731
-    for step in (*wholes, *halves):
+    """The thing and its E-value, or those of what it is two of, and of what it is a half, or a quarter, of; with poses
+    that no seed led to, and cut where it reaches over its neighbours."""
+
+    def tried(step, thing, expected):
         other = step(thing)
         tick()
         if other is not thing:
-            other = evident(field, other)
-            chance = expected_by_chance(field, other)
+            other, chance = _asked(field, other, tick)
             if len(other) >= 2 and chance <= significance:
-                thing, expected = other, chance
-    return thing, expected
+                return other, chance
+        return thing, expected
+
+    for step in [lambda t: split(field, t, seeds, taken, tick)] + [lambda t: merged(field, t, taken)] * HALVES:
+        thing, expected = tried(step, thing, expected)
+    cut = lambda t: parted(field, t, seeds, taken, pairs, tick)  # noqa: E731
+    thing, expected = tried(cut, thing, expected)
+    thing, expected = _swept(field, thing, expected, seeds, taken, pairs, significance, tick)
+    return tried(cut, thing, expected)
 
 
 def _swept(field, thing, expected, seeds, taken, pairs, significance, tick):
