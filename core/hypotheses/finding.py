@@ -3,55 +3,27 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from functools import cached_property
-from heapq import heapify, heappop, heappush
-
 import numpy as np
 from scipy.spatial import cKDTree
 
 from ..evidence.field import Field
 from ..geometry.motions import inverse
-from ..transformations.description import saving
-from .completing import with_empty_cells
-from .growth import (
-    CAREFUL,
-    EAGER,
-    NEAR_SEED,
-    REACHES,
-    SAME_POSE,
-    appraised,
-    full_grown,
-    grown,
-    places,
-    started,
-    started_whole,
-    with_more_poses,
-)
+from .deciding import Growth, best_evident
+from .growth import CAREFUL, EAGER, NEAR_SEED, REACHES, SAME_POSE, appraised, full_grown, grown, with_more_poses
 from .hypothesis import explained
 from .leading import leading, scored_widely
-from .merging import merged
 from .seeding import Seeds
-from .significance import evident, expected_by_chance
-from .splitting import parted, split
+from .starting import places, started, started_whole
 from .sweeping import PointPairs
 
 STARTS, APART, FRESH = 8, 15.0, 80
 """Seeds that are grown in each round, edge lengths by which they must differ, and seeds among which they are chosen;
 counts that bound the work."""
 
-LEAST_SEED, FAILURES, MOST, SWEEPS, RIVALS, AGAIN = 8.0, (2, 1), 40, 5, 3, 3
+LEAST_SEED, FAILURES, MOST, AGAIN = 8.0, (2, 1), 40, 3
 """Log odds of a seed that is started (two independent observations); rounds without a thing after which the search
-ends, before and after the first thing; things that are looked for at most; sweeps of the network for more poses;
-things that are held against each other before one is taken; and growths that may lead where a seed leads before it is
-not grown, too."""
-
-HALVES = 3
-"""How often halves are put together: an eighth of a thing is found at most; count that bounds the work."""
-
-SAME, HOPELESS = 0.9, 0.5
-"""Share of their samples that two things explain both, when they are one (tolerance); and share of what the best thing
-saves below which others are not put right: what is put right may save more than before."""
+ends, before and after the first thing; things that are looked for at most; and growths that may lead where a seed leads
+before it is not grown, too."""
 
 
 def find_things(field: Field, seeds: Seeds, *, significance, tick=lambda over=None: None, log=lambda *a: None):
@@ -85,7 +57,7 @@ def find_things(field: Field, seeds: Seeds, *, significance, tick=lambda over=No
                 known = sum(_leads_through(field, lead, s, x.thing) for g in growths.values() for x in g)
                 growths[s] = _full_grown(field, lead, s, taken, **how) if known < AGAIN else []
             tick(_over(rounds, GROWING * (k + 1) / len(starts)))
-        best, s = _first_evident(field, growths, taken, significance, log, **how)
+        best, s = best_evident(field, growths, taken, significance, log, **how)
         rounds += 1
         dead[[k for k in growths if not growths[k] or k == s]] = True
         if best is None:
@@ -108,7 +80,7 @@ def _of_places(field, taken, most, significance, log, *, seeds, pairs, tick):
     growths = {k: _grown_from(field, t, seeds, taken, EAGER, pairs, tick) for k, t in enumerate(starts)}
     found = []
     while growths and len(found) < most:
-        best, s = _first_evident(field, growths, taken, significance, log, seeds=seeds, pairs=pairs, tick=tick)
+        best, s = best_evident(field, growths, taken, significance, log, seeds=seeds, pairs=pairs, tick=tick)
         if best is None:
             break
         found.append(best)
@@ -116,53 +88,6 @@ def _of_places(field, taken, most, significance, log, *, seeds, pairs, tick):
         taken = taken | new
         growths = {k: x for k, x in growths.items() if k != s and not any(t.touches(field, new) for t in x)}
     return found
-
-
-def _first_evident(field, growths, taken, significance, log, *, seeds, pairs, tick):
-    """Of the growths that one that saves most of the evident ones, put right, and its key; those that are not evident
-    leave the growths.
-
-    Notes
-    -----
-    Halves save more than what they are halves of. So what was put right is held against the next ones once more.
-    """
-    best, key, most, rivals, swept = None, None, -np.inf, 0, 0
-    for s, rival in _by_saving(growths, tick):
-        if best is not None and (rival.saves < HOPELESS * most or rivals == RIVALS):
-            break
-        if best is not None and _same(field, rival.thing, best):
-            continue
-        thing, expected = _asked(field, rival.thing, tick)
-        if expected > significance and rivals + swept < RIVALS:
-            # Of what is small, many poses are evident that few are not.
-            swept += 1
-            more = full_grown(field, rival.thing, seeds, taken, price=EAGER, rounds=SWEEPS, pairs=pairs, tick=tick)
-            thing, expected = _asked(field, with_empty_cells(field, more, more.orbit, taken), tick)
-        if expected <= significance:
-            thing, expected = _cells_put_right(field, thing, expected, seeds, taken, pairs, significance, tick)
-        log(f"thing: {len(thing)} poses, {len(thing.points)} points, gain {thing.gain:.0f}, E {expected:.2g}")
-        tick()
-        saves = saving(appraised(field, thing, taken))
-        if expected > significance or len(thing) < 2:
-            growths[s].remove(rival)
-            continue
-        rivals += 1
-        if saves > most:
-            best, key, most = replace(thing, expected=expected), s, saves
-    return best, key
-
-
-def _asked(field, thing, tick):
-    """The thing with its evident poses, and its E-value."""
-    thing = evident(field, thing)
-    tick()
-    return thing, expected_by_chance(field, thing)
-
-
-def _same(field, thing, other):
-    """Whether two things explain mostly the same samples at as many poses."""
-    a, b = explained(field, thing), explained(field, other)
-    return len(thing) == len(other) and 2 * (a & b).sum() > SAME * (a.sum() + b.sum())
 
 
 LEAD, REST, GROWING = 0.1, 0.4, 0.6
@@ -173,68 +98,6 @@ and of a round with its starts grown. Measured on scenes of one to four rounds."
 def _over(rounds, part):
     """Share of the work that is over after some rounds and a part of the next one."""
     return 1 - (1 - LEAD) * REST**rounds * (1 - (1 - REST) * part)
-
-
-def _cells_put_right(field, thing, expected, seeds, taken, pairs, significance, tick):
-    """The thing and its E-value, or those of what it is two of, and of what it is a half, or a quarter, of; with poses
-    that no seed led to, and cut where it reaches over its neighbours."""
-
-    def tried(step, thing, expected):
-        other = step(thing)
-        tick()
-        if other is not thing:
-            other, chance = _asked(field, other, tick)
-            if len(other) >= 2 and chance <= significance:
-                return other, chance
-        return thing, expected
-
-    for step in [lambda t: split(field, t, seeds, taken, tick)] + [lambda t: merged(field, t, taken)] * HALVES:
-        thing, expected = tried(step, thing, expected)
-    cut = lambda t: parted(field, t, seeds, taken, pairs, tick)  # noqa: E731
-    thing, expected = tried(cut, thing, expected)
-    thing, expected = _swept(field, thing, expected, seeds, taken, pairs, significance, tick)
-    return tried(cut, thing, expected)
-
-
-def _swept(field, thing, expected, seeds, taken, pairs, significance, tick):
-    """The thing with poses of it that no seed led to, each turned as all say, and its E-value."""
-    more = full_grown(field, thing, seeds, taken, price=EAGER, rounds=SWEEPS, pairs=pairs, tick=tick)
-    more = evident(field, more)
-    chance = expected_by_chance(field, more)
-    if chance > significance or len(more) < 2 or (len(more) <= len(thing) and chance > expected):
-        return thing, expected
-    return more, chance
-
-
-class _Growth:
-    """A full-grown thing, and the nats that it saves, worked out when they are asked for."""
-
-    def __init__(self, thing):
-        self.thing = thing
-        self.most = float(thing.scores[1:].sum())
-
-    @cached_property
-    def saves(self):
-        """Nats."""
-        return saving(self.thing)
-
-    def touches(self, field, flags):
-        """Whether it explains a sample of those that are flagged (n,)."""
-        return bool((explained(field, self.thing) & flags).any())
-
-
-def _by_saving(growths, tick):
-    """Seeds and their growths, that which saves most first."""
-    heap = [(-g.most, s, k, False) for s in growths for k, g in enumerate(growths[s])]
-    rivals = {(s, k): g for s in growths for k, g in enumerate(growths[s])}
-    heapify(heap)
-    while heap:
-        _, s, k, known = heappop(heap)
-        if known:
-            yield s, rivals[s, k]
-        else:
-            heappush(heap, (-rivals[s, k].saves, s, k, True))
-            tick()
 
 
 def _full_grown(field, lead, s, taken, *, seeds, pairs, tick):
@@ -256,7 +119,7 @@ def _grown_from(field, start, seeds, taken, price, pairs, tick):
         thing = full_grown(field, thing, seeds, taken, price=price, tick=tick)
         thing = appraised(field, thing, taken)
         if len(thing) > 1 and thing.gain > 0:
-            return [_Growth(thing)]
+            return [Growth(thing)]
     return []
 
 

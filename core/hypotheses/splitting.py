@@ -16,8 +16,8 @@ from ..evidence.alignment import align
 from ..evidence.field import Field
 from ..geometry.motions import inverse
 from ..transformations.description import saving
-from .extent import extended
 from .completing import with_empty_cells
+from .extent import extended
 from .growth import EAGER, PROMINENT, SAME_POSE, appraised, full_grown, posed, prominence, rescored, with_more_poses
 from .hypothesis import Hypothesis, distinct, pose_scores, relative
 from .seeding import Seeds
