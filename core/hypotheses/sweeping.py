@@ -28,9 +28,9 @@ BENT = 0.5
 """Radians by which one of the directions must turn from the line through both points: a pair along one straight line
 fixes no turn about it (tolerance)."""
 
-ASKED, PAIRS, EACH = 1500, 200, 8
-"""Pairs of a thing of which the rarest are taken, how many, and at how many each point may be; counts that bound the
-work."""
+ASKED, PAIRS, EACH, CROWDED = 1500, (40, 200), 8, 300_000
+"""Pairs of a thing of which the rarest are taken, how many at least and at most, at how many each point may be, and
+pairs of the network in the cells about them at which it is enough; counts that bound the work."""
 
 GLANCES, LOOKED, KEPT = (10, 40), 3000, 4
 """Points with which every candidate is looked at, and those of these that are likely; the candidates that are left, and
@@ -119,13 +119,14 @@ def _pairs_of(points):
 
 def _rarest(pair, count):
     """Indices of the pairs that few are like, but some, each point at few of them."""
-    often, out = np.zeros(pair.max(initial=-1) + 1, int), []
+    often, out, crowd = np.zeros(pair.max(initial=-1) + 1, int), [], 0
     order = np.argsort(count, kind="stable")
     for k in order[count[order] > 0]:
         if (often[pair[k]] < EACH).all():
             often[pair[k]] += 1
             out.append(k)
-            if len(out) == PAIRS:
+            crowd += count[k]
+            if len(out) == PAIRS[1] or (len(out) >= PAIRS[0] and crowd > CROWDED):
                 break
     return np.array(out, np.int64)
 

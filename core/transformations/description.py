@@ -209,24 +209,26 @@ def _fitted(thing, kind, twist, start, keys, poses, rounds=2, small=1e-5):
     """Twist and first pose whose powers come nearest to the poses: Gauss and Newton on the embedded poses."""
     target = thing.embedded(poses)
 
-    def residual(twist, start):
-        return thing.embedded(exponential(keys[:, None] * twist) @ start) - target
+    def residuals(twists, starts):
+        """(v, 12 k) float64, for v twists (v, 6) and first poses (v, 4, 4) at a time."""
+        there = exponential((twists[:, None] * keys[:, None]).reshape(-1, 6)).reshape(len(twists), -1, 4, 4)
+        vectors = thing.embedded((there @ starts[:, None]).reshape(-1, 4, 4))
+        return (vectors.reshape(len(twists), *target.shape) - target).reshape(len(twists), -1)
+
+    def moved(changes):
+        twists = np.array([_kept_kind(kind, twist, change[:6]) for change in changes])
+        return twists, exponential(changes[:, 6:]) @ start
 
     for _ in range(rounds):
-        now = residual(twist, start)
-        columns = []
-        for p in range(12):
-            change = np.zeros(12)
-            change[p] = small
-            moved = _kept_kind(kind, twist, change[:6]), exponential(change[None, 6:])[0] @ start
-            columns.append(((residual(*moved) - now) / small).ravel())
-        jacobian = np.stack(columns, axis=1)
+        # Without a change, and with each of the twelve.
+        all_ = residuals(*moved(np.concatenate([np.zeros((1, 12)), small * np.eye(12)])))
+        now, jacobian = all_[0], (all_[1:] - all_[0]).T / small
         scale = np.maximum(np.linalg.norm(jacobian, axis=0), 1e-9)
-        step = -np.linalg.lstsq(jacobian / scale, now.ravel(), rcond=1e-6)[0] / scale
-        better = _kept_kind(kind, twist, step[:6]), exponential(step[None, 6:])[0] @ start
-        if (residual(*better) ** 2).sum() >= (now**2).sum():
+        step = -np.linalg.lstsq(jacobian / scale, now, rcond=1e-6)[0] / scale
+        twists, starts = moved(step[None])
+        if (residuals(twists, starts)[0] ** 2).sum() >= (now**2).sum():
             break
-        twist, start = better
+        twist, start = twists[0], starts[0]
     return twist, start
 
 
