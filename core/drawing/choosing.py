@@ -12,6 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.ndimage import uniform_filter1d
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
@@ -38,6 +39,9 @@ GAP, SHORTEST, NEAR = 5, 5, 0.5
 """Tolerances: points of the shortest gap that is cut into a curve, points of the shortest curve, and the poses that a
 candidate may be seen at less to be preferred for lying one size of the thing nearer to its core."""
 
+
+WELL = 25
+"""Points of the stretch of a curve that is seen best, by which the rest of it is judged (two observations)."""
 
 PLACES = 6.0
 """Nats for where, in the margin of a thing, a curve of a set of poses of its own may lie: some hundred places at which
@@ -260,7 +264,10 @@ def trimmed(chosen: Chosen, seen, offsets, p, q, least) -> Chosen:
         here = seen[mine, offsets[c] : offsets[c + 1]]
         # Other curves of the thing, which the decoys hit, explain their samples already.
         chance = min(q[c], 0.5 * max(here.mean(), 2 * LEAST_CHANCE))
-        score = point_scores(here, _rate(here, p, chance), chance)
+        # What is seen well somewhere would be everywhere, or it is another curve that goes on from there.
+        best = int(uniform_filter1d(here.mean(axis=0), WELL, mode="nearest").argmax())
+        well = here[:, max(0, best - WELL // 2) : best + WELL // 2 + 1]
+        score = point_scores(here, _rate(well, p, chance), chance)
         for part in kept_stretches(score, ring, least, GAP):
             if len(part) >= SHORTEST:
                 out.append((curve[part], ring and len(part) == len(curve), mine, score[part].sum()))
