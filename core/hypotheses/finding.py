@@ -53,9 +53,9 @@ def find_things(field: Field, seeds: Seeds, *, significance, tick=lambda over=No
         if not len(starts):
             break
         for k, s in enumerate(starts):
-            if s not in growths:
-                known = sum(_leads_through(field, lead, s, x.thing) for g in growths.values() for x in g)
-                growths[s] = _full_grown(field, lead, s, taken, **how) if known < AGAIN else []
+            known = sum(_leads_through(field, lead, s, x.thing) for g in growths.values() for x in g)
+            if s not in growths and known < AGAIN:
+                growths[s] = _full_grown(field, lead, s, taken, **how)
             tick(_over(rounds, GROWING * (k + 1) / len(starts)))
         best, s = best_evident(field, growths, taken, significance, log, **how)
         rounds += 1

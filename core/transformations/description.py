@@ -94,7 +94,9 @@ def with_strands(thing, orbit: Orbit) -> Orbit:
 
 
 def _single(poses) -> Orbit:
-    """The motion from the first pose to the nearest other one, with no cells."""
+    """The motion from the first pose to the nearest other one, with no cells; none of a pose alone."""
+    if len(poses) < 2:
+        return Orbit("single", np.zeros((1, 6)), np.zeros((1, 1), np.int64), np.full(1, -1), poses[:1])
     gap = np.linalg.norm(poses[1:, :3, 3] - poses[0, :3, 3], axis=1)
     step = poses[1 + int(gap.argmin())] @ inverse(poses[0])
     if np.linalg.det(step[:3, :3]) < 0:

@@ -16,7 +16,7 @@ from core.hypotheses.seeding import Seeds
 from core.hypotheses.splitting import parted
 from core.hypotheses.sweeping import Crowd, PointPairs, features
 from core.hypotheses.symmetry import oriented
-from core.transformations.description import worth_saying
+from core.transformations.description import saving, worth_saying
 from tests.core.shapes import circle, line, network, ornament, random_motion, to_frame, wiggle
 
 
@@ -108,6 +108,13 @@ def test_cells_that_an_orbit_predicts_are_asked_and_empty_ones_stay_empty(rng):
     wanted = thing_at(net, curves, poses)
     gap = wanted.differences(wanted.poses, full.poses).min(axis=1)
     assert (gap[there] < 2.0).all() and gap[3] > 10.0 and len(full) == 6
+
+
+def test_a_pose_alone_is_no_orbit_and_saves_nothing(rng):
+    net, poses, curves = row_of_ornaments(rng, 2)
+    field, thing = Field(net, radius=2.0), thing_at(net, curves, poses[:1])
+    assert thing.orbit.kind == "single" and len(thing.orbit.empty_poses()) == 0 and saving(thing) == 0.0
+    assert with_empty_cells(field, thing, thing.orbit, np.zeros(len(field), bool)) is thing
 
 
 def test_a_straight_line_leads_nowhere():
