@@ -12,6 +12,7 @@ import numpy as np
 from ...errors import InputError, NoCurves
 from ..reading import Reading, lines_of_points
 from ..text import LARGEST, load
+from .dxf_held import Damage
 from .dxf_space import CURVES, Space, is_curve, points_of
 
 MOST = 2_000_000
@@ -49,26 +50,40 @@ def read_dxf(path) -> Reading:
 
     Its entities are pieces of curves, which become one by joining: no input curve has a name in the file.
     """
-    drawing, space = _open(path)
+    _check(path)
+    try:
+        units, lines, left_out = _drawn(path, *_open(path))
+    except Damage:
+        units, lines, left_out = _drawn(path, *_open(path, mend=True))
+    told = ", ".join(f"{count} {name}" for name, count in sorted(left_out.items()))
+    if not lines.sizes:
+        raise NoCurves(f"{path}: no curves in its model space; {_remedy(told)}")
+    points, offsets = lines.arrays()
+    with np.errstate(invalid="ignore"):
+        inside = points.max() <= LARGEST and points.min() >= -LARGEST  # neither is so where one is NaN
+    if not inside:
+        wrong = np.flatnonzero(~(np.abs(points) <= LARGEST).all(axis=1))
+        raise InputError(f"{path}: {points[wrong[0]]} is not finite or too large; remove the point from the drawing")
+    reading = lines_of_points(path, points, None, offsets, named=np.zeros(len(offsets) - 1, bool))
+    return replace(reading, left_out=told, units=units)
+
+
+def _drawn(path, drawing, space):
+    """The code of the unit, Lines, and the Counter of what is left out. Raises Damage where it can be mended."""
     try:
         lines, left_out = _shown(drawing, space)
         for entity in _Expansion(path, drawing, left_out).of(drawing.modelspace()):
             lines.add(points_of(entity))
             if len(lines.points) > 3 * space.most:
                 raise InputError(f"{path}: over {space.most} points with all blocks put in; simplify the drawing")
-    except InputError:
+        space.held.check()
+    except (InputError, Damage):
+        space.held.check()
         raise
     except Exception as error:  # ezdxf raises whatever the damage leads to
+        space.held.check()
         raise InputError(f"{path}: the drawing is damaged ({_words(error)}); save it again") from None
-    told = ", ".join(f"{count} {name}" for name, count in sorted(left_out.items()))
-    if not lines.sizes:
-        raise NoCurves(f"{path}: no curves in its model space; {_remedy(told)}")
-    points, offsets = lines.arrays()
-    wrong = np.flatnonzero(~(np.abs(points) <= LARGEST).all(axis=1))
-    if len(wrong):
-        raise InputError(f"{path}: {points[wrong[0]]} is not finite or too large; remove the point from the drawing")
-    reading = lines_of_points(path, points, None, offsets, named=np.zeros(len(offsets) - 1, bool))
-    return replace(reading, left_out=told, units=int(drawing.units))
+    return int(drawing.units), lines, left_out
 
 
 def _remedy(told) -> str:
@@ -82,24 +97,27 @@ def _remedy(told) -> str:
     return f"left out are {told}; {remedy}"
 
 
-def _open(path):
+def _open(path, mend=False):
     """The drawing without what is drawn in it, and the Space that has that.
 
     A damaged one is given whole, with a Space of nothing: to mend it ezdxf needs all of it.
+
+    mend : it is known to be damaged
     """
     ezdxf = require_ezdxf()
     from ezdxf import recover
 
-    _check(path)
     try:
-        try:
+        if not mend:
             return _read(path)
-        except OverflowError:
-            raise InputError(f"{path}: over {_most(path)} points; simplify the drawing") from None
-        except InputError:
-            raise
-        except Exception:  # whatever the damage leads to
-            drawing, audit = recover.readfile(path)
+    except OverflowError:
+        raise InputError(f"{path}: over {_most(path)} points; simplify the drawing") from None
+    except InputError:
+        raise
+    except Exception:  # whatever the damage leads to; it may be mended
+        pass
+    try:
+        drawing, audit = recover.readfile(path)
     except InputError:
         raise
     except (ezdxf.DXFError, OSError) as error:
@@ -118,13 +136,28 @@ def _most(path) -> int:
 
 def _check(path):
     """Raise InputError for what is no DXF file, or was cut off."""
-    data = load(path)
-    if data.startswith(DWG):
+    head, tail = _ends(path)
+    if head.startswith(DWG):
         raise InputError(f"{path}: this is a DWG file; save it as DXF")
-    if not data.startswith(BINARY) and b"\0" in data[:65536]:
+    if not head.startswith(BINARY) and b"\0" in head:
         raise InputError(f"{path}: this is binary data, not a DXF file; check the file's format and its ending")
-    if b"EOF" not in data[-4096:].rstrip()[-256:]:
+    if b"EOF" not in tail.rstrip()[-256:]:
         raise InputError(f"{path}: this is no DXF file or it was cut off, it has no EOF at its end; save it again")
+
+
+def _ends(path):
+    """The first 65536 bytes of a file, and the last 4096."""
+    try:
+        with open(path, "rb") as file:
+            head = file.read(65536)
+            file.seek(max(file.seek(0, 2) - 4096, 0))
+            tail = file.read()
+    except (OSError, ValueError):
+        head = tail = b""
+    if not head.strip():
+        data = load(path)  # says what is wrong
+        head, tail = data[:65536], data[-4096:]
+    return head, tail
 
 
 def _read(path):
@@ -134,10 +167,14 @@ def _read(path):
 
     space = Space(_most(path))
     with open(path, "rb") as file:
-        if file.read(len(BINARY)) == BINARY:
-            return Drawing.load(space.passed_on(binary_tags_loader(load(path)))), space
-    with open(path, encoding=dxf_file_info(str(path)).encoding, errors="surrogateescape") as file:
-        return Drawing.load(space.passed_on(ascii_tags_loader(file))), space
+        binary = file.read(len(BINARY)) == BINARY
+    if binary:
+        drawing = Drawing.load(space.passed_on(binary_tags_loader(load(path))))
+    else:
+        with open(path, encoding=dxf_file_info(str(path)).encoding, errors="surrogateescape") as file:
+            drawing = Drawing.load(space.passed_on(ascii_tags_loader(file)))
+    space.held.put_back(drawing)
+    return drawing, space
 
 
 def _shown(drawing, space):

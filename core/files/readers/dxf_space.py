@@ -2,7 +2,8 @@
 """The entities of a DXF drawing as it is read, one after the other, so that most of them are not kept.
 
 ezdxf keeps seven to eight times the size of the file for what is drawn. So what the section ENTITIES holds becomes
-points while the drawing is read, and ezdxf gets the rest: tables, blocks, and the INSERT of blocks.
+points while the drawing is read. What is in blocks, and the INSERT of blocks, is held until all blocks are known.
+ezdxf gets the rest.
 """
 
 from __future__ import annotations
@@ -12,14 +13,19 @@ from collections import Counter
 
 import numpy as np
 
+from .dxf_held import Held, compiled, loaded, place_of
+
 CURVES = ("LINE", "POLYLINE", "LWPOLYLINE", "SPLINE", "ARC", "CIRCLE", "ELLIPSE")
 """Entities that are read; INSERT stands for those of its block."""
 
 SAGITTA = 5e-4
 """How far a chord may lie off its arc, as a share of the size of the entity."""
 
-KEPT = ("INSERT", "ATTRIB", "SECTION", "ENDSEC", "EOF")
-"""What ezdxf gets of the section ENTITIES: blocks are put in when all are known."""
+PUT_IN = ("INSERT", "ATTRIB")
+"""What is held of the section ENTITIES: blocks are put in when all are known."""
+
+FRAME = ("SECTION", "ENDSEC", "EOF")
+"""What ezdxf gets, and of blocks their begins and ends."""
 
 PARTS = ("VERTEX", "SEQEND")
 """What follows a POLYLINE, or an INSERT, and is of it."""
@@ -67,31 +73,42 @@ class Space:
     places : (type, layer, owner, whether it is of paper space, whether it is invisible) -> its index
     most : how many points there may be
     others : Counter of what is no line, by the index of its place
+    held : what is to be put back into the drawing when it has been read
     """
 
     def __init__(self, most):
-        self.lines, self.places, self.others = Lines(), {}, Counter()
-        self.most, self._open = most, []
+        self.lines, self.places, self.others, self.held = Lines(), {}, Counter(), Held()
+        self.most, self._open, self._attributes = most, [], False
 
     def passed_on(self, tags):
         """Yield the tags but for what is drawn. Raises OverflowError where there are too many points."""
-        inside, entity = False, []
+        take, entity = None, []
         for tag in tags:
-            if not inside:
+            if take is None:
                 yield tag
-                inside = bool(entity) and tag.code == 2 and tag.value == "ENTITIES"
+                if entity and tag.code == 2:
+                    take = {"ENTITIES": self._entity, "BLOCKS": self._in_block}.get(tag.value)
                 entity = [tag] if tag.code == 0 and tag.value == "SECTION" else []
                 continue
             if tag.code == 0:
-                yield from self._entity(entity)
+                yield from take(entity)
                 entity = []
                 if tag.value == "ENDSEC":
                     self._close()
-                    inside = False
+                    self.held.end(whole=False)
+                    take = None
                     yield tag
                     continue
             entity.append(tag)
         yield from entity  # the file was cut off
+
+    def _in_block(self, tags):
+        """Hold one entity of the section BLOCKS, or yield its tags."""
+        if not tags or tags[0].code != 0 or tags[0].value in (*FRAME, "BLOCK", "ENDBLK"):
+            self.held.end()
+            yield from tags
+        else:
+            yield from self.held.take(compiled(tags))
 
     def _entity(self, tags):
         """Take one entity, or yield its tags."""
@@ -103,17 +120,28 @@ class Space:
         if name == "POLYLINE":
             self._open = [tags]
         elif name in CURVES:
-            self._draw(_loaded([tags]))
-        elif name in (*KEPT, *PARTS) or tags and tags[0].code != 0:
+            self._draw(_linked([tags]))
+        elif name in (*PUT_IN, *PARTS):
+            yield from self._put_in(name, compiled(tags))
+        elif name in FRAME or tags and tags[0].code != 0:
+            self.held.end()
             yield from tags
         elif tags:
-            self.others[self._place(_loaded([tags]))] += 1
+            self.others[self._place(_linked([tags]))] += 1
+
+    def _put_in(self, name, tags):
+        """Hold an INSERT, or what follows it."""
+        yield from self.held.take(tags, None if self._attributes else place_of(tags))
+        if self._attributes:
+            self._attributes = name != "SEQEND"
+        else:
+            self._attributes = name == "INSERT" and any(tag.code == 66 and tag.value for tag in tags)
 
     def _close(self):
         """Take the POLYLINE whose vertices came until now."""
         if self._open:
             parts, self._open = self._open, []
-            self._draw(_loaded(parts))
+            self._draw(_linked(parts))
 
     def _draw(self, entity):
         place = self._place(entity)
@@ -131,18 +159,12 @@ class Space:
         return self.places.setdefault(key, len(self.places))
 
 
-def _loaded(parts):
+def _linked(parts):
     """The entity of these tags, with its vertices."""
-    from ezdxf.entities import factory
     from ezdxf.entities.subentity import entity_linker
-    from ezdxf.lldxf.extendedtags import ExtendedTags
-    from ezdxf.lldxf.tagger import tag_compiler
-    from ezdxf.lldxf.types import DXFTag
 
     link = entity_linker()
-    # A point in a plane ends where the next tag is no z: without one it would be lost.
-    compiled = (list(tag_compiler(iter([*tags, DXFTag(0, "EOF")])))[:-1] for tags in parts)
-    made = [factory.load(ExtendedTags(tags)) for tags in compiled]
+    made = [loaded(compiled(tags)) for tags in parts]
     for one in made:
         link(one)
     return made[0]
