@@ -16,6 +16,9 @@ PIECE = 4000
 READY = 100_000
 """Tags whose entities are kept as blocks are put in again and again; they take some 10 MB."""
 
+LINKED = ("VERTEX", "ATTRIB", "SEQEND")
+"""What follows an entity and is of it."""
+
 
 class Damage(Exception):
     """What is held is no entity."""
@@ -68,6 +71,9 @@ class Contents:
     def __init__(self, parts):
         self._parts = list(parts)
 
+    def __len__(self):
+        return sum(part.count if isinstance(part, Run) else 1 for part in self._parts)
+
     def __iter__(self):
         for part in self._parts:
             if isinstance(part, Run):
@@ -77,18 +83,23 @@ class Contents:
 
 
 class Run:
-    """Entities that follow each other, as packed tags."""
+    """Entities that follow each other, as packed tags.
+
+    count : how many, but for what is linked to one
+    """
 
     def __init__(self, held):
         self._held, self.drawing, self._whole = held, None, False
         self._pieces, self._tags, self._loose = [], 0, []  # the last are entities that are not packed yet
-        self._count, self._made, self._asked, self._sound = 0, None, False, False
+        self._size, self._made, self._asked, self._sound = 0, None, False, False
+        self.count = 0
 
     def add(self, tags):
         """Add an entity."""
+        self.count += tags[0].value not in LINKED
         self._loose.append([x for tag in tags for x in (tag.code, tag.value)])
         self._tags += len(tags)
-        self._count += len(tags)
+        self._size += len(tags)
         if self._tags >= PIECE:
             self._pack()
 
@@ -109,8 +120,8 @@ class Run:
                 pass
 
     def __iter__(self):
-        if self._made is None and self._asked and self._count <= self._held.room:
-            self._held.room -= self._count
+        if self._made is None and self._asked and self._size <= self._held.room:
+            self._held.room -= self._size
             self._made = list(self._entities())
         self._asked = True
         return self._entities() if self._made is None else iter(self._made)

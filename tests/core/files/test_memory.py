@@ -111,12 +111,42 @@ def drawing(points, faces):
     return (head + "  2\nENTITIES\n" + "".join(entities) + tail).encode()
 
 
+INSERT = "  0\nINSERT\n  5\n%X\n330\n1F\n100\nAcDbEntity\n  8\n0\n100\nAcDbBlockReference\n  2\n%s\n" + "".join(
+    f" {code}\n%.6f\n" for code in (10, 20, 30)
+)
+
+
+def drawing_of_blocks(points, faces):
+    """Lines in a block that is in another, and a small block at many places."""
+    ezdxf = pytest.importorskip("ezdxf")
+    out, document = io.StringIO(), ezdxf.new()
+    for name in ("small", "inner", "outer"):
+        document.blocks.new(name).add_point((0, 0), dxfattribs={"layer": name})
+    document.write(out)
+    text = out.getvalue()
+    lines = [LINE % (65536 + i, *row) for i, row in enumerate(points[faces[:64_000, :2]].reshape(-1, 6).tolist())]
+    places = [INSERT % (262144 + i, "small", *row) for i, row in enumerate(points[:12_000].tolist())]
+    held = {"small": "".join(lines[:2]), "inner": "".join(lines), "outer": INSERT % (131072, "inner", 1, 2, 3)}
+    for name, entities in held.items():
+        begin = text.rindex("  0\nPOINT", 0, text.index(f"  8\n{name}\n"))
+        text = text[:begin] + entities + text[text.index("  0\nENDBLK", begin) :]
+    head, _, tail = text.partition("  2\nENTITIES\n")
+    return (head + "  2\nENTITIES\n" + INSERT % (131073, "outer", 0, 0, 0) + "".join(places) + tail).encode()
+
+
 KINDS = [
     (obj, "a.obj", "surface"), (obj_lines, "l.obj", "lines"), (ascii_ply, "a.ply", "surface"),
     (ridge_lines, "a.txt", "lines"), (crest_lines, "ridges.txt", "lines"), (polylines, "a.cgal", "lines"),
     (drawing, "a.dxf", "lines"), (binary_ply, "b.ply", "surface"),
     (binary_stl, "b.stl", "surface"), (ascii_stl, "a.stl", "surface"),
 ]  # fmt: skip
+
+
+def peak_of(path, what):
+    """Bytes that reading a file takes in a process of its own, beside what its modules take."""
+    command = [sys.executable, "-c", PROGRAM, str(path), what]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=200, check=True)
+    return 1024 * int(done.stdout)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="the memory of a process is asked in Linux's way")
@@ -126,7 +156,15 @@ def test_reading_takes_three_times_the_file_at_most(mesh, tmp_path, make, name, 
     path.write_bytes(make(*mesh))
     size = path.stat().st_size
     assert size > 7e6
-    command = [sys.executable, "-c", PROGRAM, str(path), what]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=200, check=True)
-    peak = 1024 * int(done.stdout)
+    peak = peak_of(path, what)
     assert size / 2 < peak < 3 * size + BASE, f"{(peak - BASE) / size:.1f} times the file"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the memory of a process is asked in Linux's way")
+def test_what_is_in_blocks_takes_no_more(mesh, tmp_path):
+    path = tmp_path / "a.dxf"
+    path.write_bytes(drawing_of_blocks(*mesh))
+    size = path.stat().st_size
+    assert size > 9e6
+    peak = peak_of(path, "lines")
+    assert size / 2 < peak < 3.5 * size, f"{peak / size:.1f} times the file"
