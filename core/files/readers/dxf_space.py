@@ -121,11 +121,11 @@ class Space:
             self._open = [tags]
         elif name in CURVES:
             self._draw(_linked([tags]))
-        elif name in (*PUT_IN, *PARTS):
-            yield from self._put_in(name, compiled(tags))
         elif name in FRAME or tags and tags[0].code != 0:
             self.held.end()
             yield from tags
+        elif name in (*PUT_IN, *PARTS):
+            yield from self._put_in(name, compiled(tags))
         elif tags:
             self.others[self._place(_linked([tags]))] += 1
 
