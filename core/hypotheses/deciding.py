@@ -23,9 +23,9 @@ SWEEPS, RIVALS = 5, 3
 HALVES = 3
 """How often halves are put together: an eighth of a thing is found at most; count that bounds the work."""
 
-SAME, HOPELESS = 0.9, 0.5
-"""Share of their samples that two things explain both, when they are one (tolerance); and share of what the best thing
-saves below which others are not put right: what is put right may save more than before."""
+SAME, FEW, HOPELESS = 0.9, 0.1, 0.5
+"""Shares of their samples that two things explain both, when they are one and when they are two (tolerances); and share
+of what the best thing saves below which others are not put right: what is put right may save more than before."""
 
 
 class Growth:
@@ -40,9 +40,29 @@ class Growth:
         """Nats."""
         return saving(self.thing)
 
-    def touches(self, field, flags):
-        """Whether it explains a sample of those that are flagged (n,)."""
-        return bool((explained(field, self.thing) & flags).any())
+
+def left_over(field, growths, new, taken):
+    """The growths that a thing which was taken leaves: those that share none of its samples, and without the poses
+    where they do those that share few.
+
+    new, taken : (n,) bool, samples that the thing explains, and all things
+    """
+    out = {}
+    for s, of_seed in growths.items():
+        mine = [explained(field, g.thing) for g in of_seed]
+        shared = np.array([(m & new).sum() / max(m.sum(), 1) for m in mine])
+        if (shared > FEW).any():
+            continue
+        again = [g if not f else Growth(_without(field, g.thing, new, taken)) for g, f in zip(of_seed, shared)]
+        out[s] = [g for g in again if len(g.thing) > 1]
+    return {s: kept for s, kept in out.items() if kept}
+
+
+def _without(field, thing, new, taken):
+    """The thing without the poses of which half of the samples are another's."""
+    mine = [explained(field, thing, thing.poses[k : k + 1]) for k in range(len(thing))]
+    own = np.flatnonzero([2 * (m & new).sum() <= m.sum() for m in mine])
+    return appraised(field, thing.at(own), taken)
 
 
 def best_evident(field, growths, taken, significance, log, *, seeds, pairs, tick):

@@ -8,7 +8,7 @@ from scipy.spatial import cKDTree
 
 from ..evidence.field import Field
 from ..geometry.motions import inverse
-from .deciding import Growth, best_evident
+from .deciding import Growth, best_evident, left_over
 from .growth import CAREFUL, EAGER, NEAR_SEED, REACHES, SAME_POSE, appraised, full_grown, grown, with_more_poses
 from .hypothesis import explained
 from .leading import leading, scored_widely
@@ -69,7 +69,7 @@ def find_things(field: Field, seeds: Seeds, *, significance, tick=lambda over=No
         new = explained(field, best)
         taken = taken | new
         stale[:] = True
-        growths = {s: x for s, x in growths.items() if not dead[s] and not any(t.touches(field, new) for t in x)}
+        growths = left_over(field, {s: x for s, x in growths.items() if not dead[s]}, new, taken)
     return found + _of_places(field, taken, MOST - len(found), significance, log, **how)
 
 
@@ -86,7 +86,7 @@ def _of_places(field, taken, most, significance, log, *, seeds, pairs, tick):
         found.append(best)
         new = explained(field, best)
         taken = taken | new
-        growths = {k: x for k, x in growths.items() if k != s and not any(t.touches(field, new) for t in x)}
+        growths = left_over(field, {k: x for k, x in growths.items() if k != s}, new, taken)
     return found
 
 

@@ -11,7 +11,8 @@ import pytest
 from core.evidence.field import Field, Probe
 from core.geometry.motions import apply
 from core.hypotheses.completing import with_empty_cells
-from core.hypotheses.hypothesis import Hypothesis
+from core.hypotheses.deciding import Growth, left_over
+from core.hypotheses.hypothesis import Hypothesis, explained
 from core.hypotheses.seeding import Seeds
 from core.hypotheses.splitting import parted
 from core.hypotheses.sweeping import Crowd, PointPairs, features
@@ -108,6 +109,16 @@ def test_cells_that_an_orbit_predicts_are_asked_and_empty_ones_stay_empty(rng):
     wanted = thing_at(net, curves, poses)
     gap = wanted.differences(wanted.poses, full.poses).min(axis=1)
     assert (gap[there] < 2.0).all() and gap[3] > 10.0 and len(full) == 6
+
+
+def test_a_thing_that_is_taken_leaves_what_it_shares_little_with(rng):
+    net, poses, curves = row_of_ornaments(rng, 14)
+    field, thing = Field(net, radius=2.0), thing_at(net, curves, poses)
+    growths = {0: [Growth(thing.at(np.arange(12)))], 1: [Growth(thing.at([12, 13]))], 2: [Growth(thing.at([0, 1]))]}
+    new = explained(field, thing, thing.poses[:1])
+    left = left_over(field, growths, new, new)
+    assert left[1] == growths[1] and 2 not in left
+    assert len(left[0][0].thing) == 11
 
 
 def test_a_pose_alone_is_no_orbit_and_saves_nothing(rng):
