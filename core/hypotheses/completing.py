@@ -11,7 +11,7 @@ from ..evidence.alignment import align
 from ..evidence.field import Field
 from .growth import CAREFUL, ORBIT_POSE, SAME_POSE, accepted
 from .hypothesis import Hypothesis, explained
-from .significance import EXPECTED, LIKELY, SELECTED, evidence_for, evident
+from .significance import EXPECTED, SELECTED, evidence_for, evident
 
 FREE = 0.5
 """Share of what a cell shows that nothing else may explain."""
@@ -42,8 +42,7 @@ def with_empty_cells(field: Field, thing: Hypothesis, orbit, taken) -> Hypothesi
         moved, asked = moved[fits], np.flatnonzero(fits)
         if not len(moved):
             continue
-        e = evidence_for(field, full, moved)
-        worth = np.array([min(e.total[k], e.worth(slice(k, k + 1), LIKELY)) for k in range(len(moved))])
+        worth = evidence_for(field, full, moved).of_each()
         good = worth > least
         full = replace(
             full, poses=np.concatenate([full.poses, moved[good]]), scores=np.append(full.scores, worth[good]),

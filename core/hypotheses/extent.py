@@ -14,7 +14,7 @@ from ..evidence.decoys import decoys
 from ..evidence.field import Field, Probe
 from ..evidence.odds import LEAST_CHANCE, UNIT, between, log_odds, sliding
 from ..geometry.motions import inverse
-from .hypothesis import SPACING, Hypothesis
+from .hypothesis import SPACING, Hypothesis, beside
 
 ALONG, CHANCE_ALONG, OFF = 6.0, 10.0, 1.5
 """Edge lengths along a curve over which log odds, and chance, are averaged: curves are there or not, points are not;
@@ -101,7 +101,7 @@ def _running_on(field, poses, probe, hit):
     if len(poses) < 2:
         return np.zeros(len(probe), bool)
     centres = poses[:, :3, :3] @ probe.points.mean(axis=0) + poses[:, :3, 3]
-    base = poses[cKDTree(centres).query(centres, k=2)[1][:, 1]]
+    base = poses[beside(centres)]
     slides = sliding(field, between(poses, base), probe.moved(base))
     return 2 * (slides & hit).sum(axis=0) > hit.sum(axis=0)
 

@@ -126,6 +126,13 @@ def pose_scores(field: Field, thing: Hypothesis, poses, owned, *, beside=None):
     return terms.sum(axis=1) - np.log(len(SHARES)), terms, near
 
 
+def beside(centres):
+    """(k,) int64, of each of the centres (k, 3) of poses the nearest other one, which may be at the same place."""
+    gap = np.linalg.norm(centres[:, None] - centres[None], axis=2)
+    np.fill_diagonal(gap, np.inf)
+    return gap.argmin(axis=1)
+
+
 def explained(field: Field, thing: Hypothesis, poses=None):
     """(n,) bool, samples that show the thing at its poses, and those beside them."""
     near = field.targets(thing.poses if poses is None else poses, thing.probe)

@@ -19,7 +19,7 @@ from ..evidence.odds import LEAST_CHANCE, UNIT, between, log_odds, sliding
 from ..geometry.motions import inverse
 from ..transformations.description import description_length
 from .extent import spread
-from .hypothesis import SPACING, Hypothesis
+from .hypothesis import SPACING, Hypothesis, beside
 from .symmetry import replace_frame
 
 ABOUT = 8.0
@@ -75,7 +75,7 @@ def evident(field: Field, thing: Hypothesis) -> Hypothesis:
     if len(thing) < 2:
         return thing
     e = pose_evidence(field, thing)
-    worth = np.array([min(e.total[k], e.worth(slice(k, k + 1), LIKELY)) for k in range(len(thing))])
+    worth = e.of_each()
     orbit = thing.orbit
     predicted = orbit.fits & (orbit.kind != "single")
     kept = np.flatnonzero(worth > np.where(predicted, EXPECTED, SELECTED))
@@ -101,6 +101,10 @@ class PoseEvidence:
         """Twice the lead of some poses together over their decoys, less some standard errors."""
         return 2 * float((self.over[poses].sum(axis=0) - sure * np.sqrt(self.square[poses].sum(axis=0))).min())
 
+    def of_each(self):
+        """(k,) float64, what each pose is worth for itself."""
+        return np.array([min(self.total[k], self.worth(slice(k, k + 1), LIKELY)) for k in range(len(self.total))])
+
 
 def pose_evidence(field: Field, thing: Hypothesis) -> PoseEvidence:
     """Evidence for each pose of a thing, with the share that its occurrences show estimated.
@@ -111,14 +115,14 @@ def pose_evidence(field: Field, thing: Hypothesis) -> PoseEvidence:
     shown is counted at the other poses only, so that no pose speaks for itself.
     """
     about = _About.of(field, thing)
-    tested = about.tested(field, thing.poses, _nearest_pose(thing), np.ones(len(thing), int))
+    tested = about.tested(field, thing.poses, beside(thing.centres()), np.ones(len(thing), int))
     return max((_evidence(tested, *noise) for noise in NOISE), key=lambda e: e.total.sum())
 
 
 def evidence_for(field: Field, thing: Hypothesis, poses) -> PoseEvidence:
     """Evidence for other poses (k, 4, 4), each for itself, by what the poses of a thing show."""
     about = _About.of(field, thing)
-    own = about.tested(field, thing.poses, _nearest_pose(thing), np.ones(len(thing), int))
+    own = about.tested(field, thing.poses, beside(thing.centres()), np.ones(len(thing), int))
     noise = max(NOISE, key=lambda noise: _evidence(own, *noise).total.sum())
     gap = np.linalg.norm(thing.centres(poses)[:, None] - thing.centres()[None], axis=2)
     return _evidence(about.tested(field, poses, gap.argmin(axis=1), np.zeros(len(poses), int)), *noise)
@@ -182,12 +186,6 @@ def _overlay(field, thing):
     # Samples are one edge apart: a little less than SPACING takes every other one.
     chosen = spread(points, np.zeros(len(points)), 0.95 * SPACING)
     return Probe(points, tangents, normals, kind).take(chosen), block.ravel()[chosen]
-
-
-def _nearest_pose(thing):
-    gap = np.linalg.norm(thing.centres()[:, None] - thing.centres()[None], axis=2)
-    np.fill_diagonal(gap, np.inf)
-    return gap.argmin(axis=1)
 
 
 class _Tested:

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..evidence.field import Field
 from ..evidence.odds import between, sliding
+from ..hypotheses.hypothesis import beside
 
 BREAK = 4
 """Samples without a hit that end a stretch (tolerance: the points of a thing are two edges apart)."""
@@ -23,9 +24,7 @@ def affinities(field: Field, thing, *, t):
     """
     network = field.network
     near = field.targets(thing.poses, thing.probe)
-    base = np.linalg.norm(thing.centres()[:, None] - thing.centres()[None], axis=2)
-    np.fill_diagonal(base, np.inf)
-    other = thing.poses[base.argmin(axis=1)]
+    other = thing.poses[beside(thing.centres())]
     slides = sliding(field, between(thing.poses, other), thing.probe.moved(other))
     hit = (near >= 0) & ~slides
     again = np.maximum(hit.sum(axis=0) - 1, 0)

@@ -14,7 +14,7 @@ from core.geometry.motions import apply
 from core.hypotheses.extent import along_curves, chance_at, spread
 from core.hypotheses.finding import find_things
 from core.hypotheses.growth import closures, rescored
-from core.hypotheses.hypothesis import SHARES, SPACING, Hypothesis, distinct, explained, pose_scores
+from core.hypotheses.hypothesis import SHARES, SPACING, Hypothesis, beside, distinct, explained, pose_scores
 from core.hypotheses.seeding import find_seeds
 from core.matching.blast import feature_blast
 from core.matching.strong import strong_curves
@@ -76,6 +76,13 @@ def test_pose_scores_are_those_of_the_loop(rng):
             best = max(best, total)
         assert scores[k] == pytest.approx(best - np.log(len(SHARES)))
         assert terms[k].sum() == pytest.approx(best)
+
+
+def test_no_pose_is_beside_itself_though_another_stands_there(rng):
+    centres = rng.normal(size=(6, 3))
+    centres[3] = centres[1]
+    found = beside(centres)
+    assert (found != np.arange(6)).all() and found[3] == 1 and found[1] == 3
 
 
 def test_what_runs_on_from_pose_to_pose_tells_nothing_where_it_is_missing(rng):
